@@ -90,8 +90,10 @@ End valuesOf( const std::string& option, const io::GroupState& state, const io::
 		}
 		if ( found->second.size() != names.size() )
 		{
-			throw io::Error( robot.srdf_file.empty() ? robot.urdf_file : robot.srdf_file, fmt::format( "group_state {} (for {}), joint {}", state.name, option, joint.name ),
-			    fmt::format( "has {}, the joint {}", counted( found->second.size(), "value" ), counted( names.size(), "value" ) ),
+			throw io::Error( robot.srdf_file.empty() ? robot.urdf_file : robot.srdf_file,
+			    fmt::format( "group_state {} (for {}), joint {}", state.name, option, joint.name ),
+			    fmt::format(
+			        "has {}, the joint {}", counted( found->second.size(), "value" ), counted( names.size(), "value" ) ),
 			    "give one for each of " + listed( names ) );
 		}
 		for ( std::size_t i = 0; i < names.size(); ++i )

@@ -108,6 +108,27 @@ void checkPackagePaths( const std::vector<std::string>& entries )
 	}
 }
 
+/// A group of a robot that has none, and what all pairs mean.
+void checkWithoutSrdf( const CommonOptions& options, const io::RobotModel& robot, Notices& notices )
+{
+	if ( !options.srdf.empty() )
+	{
+		return;
+	}
+	if ( !options.group.empty() && robot.groups.empty() )
+	{
+		throw io::Error( "command line", "--group", fmt::format( "'{}' needs an SRDF that defines it", options.group ),
+		    "add --srdf FILE, or leave it out: then all joints can move" );
+	}
+	if ( options.strict )
+	{
+		notices.add( "the robot",
+		    { { options.robot, "no SRDF",
+		        "with --strict neighbouring links are checked against each other too; where they overlap by design, give "
+		        "an SRDF that disables these pairs: `leeway pairs --robot R.urdf --out S.srdf` writes one" } } );
+	}
+}
+
 } // namespace
 
 Input loadInput( const CommonOptions& options, Notices& notices )
@@ -158,18 +179,7 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 		input.robot_seconds = now() - start;
 	}
 	notices.add( "the robot", input.robot.report.notices );
-	if ( options.srdf.empty() && !options.group.empty() && input.robot.groups.empty() )
-	{
-		throw io::Error( "command line", "--group", fmt::format( "'{}' needs an SRDF that defines it", options.group ),
-		    "add --srdf FILE, or leave it out: then all joints can move" );
-	}
-	if ( options.srdf.empty() && input.robot.disabled.empty() )
-	{
-		notices.add(
-		    "the robot", { { options.robot, "no SRDF",
-		                     "neighbouring links are checked against each other too; where they overlap by design, give "
-		                     "an SRDF that disables these pairs: `leeway pairs --robot R.urdf --out S.srdf` writes one" } } );
-	}
+	checkWithoutSrdf( options, input.robot, notices );
 	if ( !options.scene.empty() )
 	{
 		const Progress progress( "reading the scene and building its trees" );

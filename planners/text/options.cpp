@@ -120,8 +120,9 @@ lw_check_flags CommonOptions::checkFlags() const
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs )
 {
 	const std::string model = "Model";
-	CLI::Option* robot =
-	    app.add_option( "--robot", options.robot, "robot description: URDF or MJCF" )->type_name( "R.urdf|R.xml" )->group( model );
+	CLI::Option* robot = app.add_option( "--robot", options.robot, "robot description: URDF or MJCF" )
+	                         ->type_name( "R.urdf|R.xml" )
+	                         ->group( model );
 	if ( needs.robot )
 	{
 		robot->required();

@@ -47,6 +47,7 @@ HOUSES = [
         ("cloud", "point clouds, octrees, height maps"),
         ("mesh", "triangles from mesh files, one reader for each format"),
         ("shape", "shapes of the core from meshes, clouds and numbers"),
+        ("mjcf", "MJCF: its elements, bodies, geoms, pairs and keyframes"),
         ("robot", "URDF, SRDF, pair tables, spheres of links; notices of implausible numbers"),
         ("scene", "scenes, requests, margins; a problem, which joins a robot with a scene"),
     ]),

@@ -8,11 +8,14 @@ namespace
 {
 
 /// A chain of three moving bodies on a fixed base, with attributes for their geoms.
-std::string chain( const std::string& a = "", const std::string& b = "", const std::string& c = "", const std::string& world = "" )
+std::string chain(
+    const std::string& a = "", const std::string& b = "", const std::string& c = "", const std::string& world = "" )
 {
-	return "<worldbody>" + world + "<body name=\"base\"><geom size=\"1\"/><body name=\"a\"><joint name=\"j\"/><geom name=\"ga\" size=\"1\" " + a +
+	return "<worldbody>" + world +
+	       "<body name=\"base\"><geom size=\"1\"/><body name=\"a\"><joint name=\"j\"/><geom name=\"ga\" size=\"1\" " + a +
 	       "/><body name=\"fixed\"><geom size=\"1\"/><body name=\"b\"><joint name=\"k\"/><geom name=\"gb\" size=\"1\" " + b +
-	       "/><body name=\"c\"><joint name=\"l\"/><geom name=\"gc\" size=\"1\" " + c + "/></body></body></body></body></body></worldbody>";
+	       "/><body name=\"c\"><joint name=\"l\"/><geom name=\"gc\" size=\"1\" " + c +
+	       "/></body></body></body></body></body></worldbody>";
 }
 
 } // namespace
@@ -20,7 +23,8 @@ std::string chain( const std::string& a = "", const std::string& b = "", const s
 TEST_F( MjcfTest, ParentsAndChildrenDoNotCollide )
 {
 	const RobotModel model = load( chain() );
-	EXPECT_EQ( reason( model, "a", "b" ), "Adjacent (parent and child in MJCF)" ) << "a and the body between stand still against each other";
+	EXPECT_EQ( reason( model, "a", "b" ), "Adjacent (parent and child in MJCF)" )
+	    << "a and the body between stand still against each other";
 	EXPECT_EQ( reason( model, "fixed", "b" ), "Adjacent (parent and child in MJCF)" );
 	EXPECT_EQ( reason( model, "a", "c" ), "checked" );
 	EXPECT_EQ( reason( model, "base", "a" ), "checked" ) << "what is fixed to the world is nobody's parent";
@@ -38,28 +42,33 @@ TEST_F( MjcfTest, MasksThatDoNotMeetAllow )
 {
 	const RobotModel model = load( chain( "contype=\"2\" conaffinity=\"4\"", "", "contype=\"1\" conaffinity=\"1\"" ) );
 	EXPECT_EQ( reason( model, "a", "c" ), "contype and conaffinity in the MJCF" );
-	EXPECT_EQ( reason( load( chain( "contype=\"2\" conaffinity=\"0\"", "", "contype=\"0\" conaffinity=\"2\"" ) ), "a", "c" ), "checked" );
+	EXPECT_EQ( reason( load( chain( "contype=\"2\" conaffinity=\"0\"", "", "contype=\"0\" conaffinity=\"2\"" ) ), "a", "c" ),
+	    "checked" );
 }
 
 TEST_F( MjcfTest, APairOverrulesTheOthers )
 {
-	const RobotModel model = load( chain( "contype=\"0\" conaffinity=\"0\"" ) + "<contact><pair geom1=\"ga\" geom2=\"gb\"/><exclude body1=\"a\" body2=\"b\"/></contact>" );
+	const RobotModel model =
+	    load( chain( "contype=\"0\" conaffinity=\"0\"" ) +
+	          "<contact><pair geom1=\"ga\" geom2=\"gb\"/><exclude body1=\"a\" body2=\"b\"/></contact>" );
 	EXPECT_EQ( reason( model, "a", "b" ), "checked" );
 	EXPECT_EQ( model.links.at( 2 ).collision.size(), 1u ) << "a geom of a pair is there";
 }
 
 TEST_F( MjcfTest, MixedMasksAreCheckedAsAWhole )
 {
-	const RobotModel model = load( "<worldbody><body name=\"a\"><joint/><geom size=\"1\"/><geom type=\"box\" size=\"1 1 1\" contype=\"8\" conaffinity=\"8\"/></body><body name=\"b\"><joint/><geom "
-	                               "size=\"1\"/></body></worldbody>" );
+	const RobotModel model = load(
+	    "<worldbody><body name=\"a\"><joint/><geom size=\"1\"/><geom type=\"box\" size=\"1 1 1\" contype=\"8\" conaffinity=\"8\"/></body><body name=\"b\"><joint/><geom "
+	    "size=\"1\"/></body></worldbody>" );
 	EXPECT_EQ( reason( model, "a", "b" ), "checked" );
 	EXPECT_NOTICE( model.report.notices, "1 pairs of bodies are checked with all of their geoms" );
 }
 
 TEST_F( MjcfTest, APlaneOfTheWorldIsAnObstacleOfEveryProblem )
 {
-	const std::string robot = "<worldbody><geom name=\"floor\" type=\"plane\" size=\"1 1 1\" pos=\"0 0 -1\"/><body name=\"base\" pos=\"0 0 -1\"><geom size=\"0.1\"/><body "
-	                          "name=\"a\" pos=\"0 0 1\"><joint name=\"j\" axis=\"0 1 0\"/><geom size=\"0.1\" pos=\"3 0 0\"/></body></body></worldbody>";
+	const std::string robot =
+	    "<worldbody><geom name=\"floor\" type=\"plane\" size=\"1 1 1\" pos=\"0 0 -1\"/><body name=\"base\" pos=\"0 0 -1\"><geom size=\"0.1\"/><body "
+	    "name=\"a\" pos=\"0 0 1\"><joint name=\"j\" axis=\"0 1 0\"/><geom size=\"0.1\" pos=\"3 0 0\"/></body></body></worldbody>";
 	const RobotModel model = load( robot );
 	EXPECT_EQ( reason( model, "floor", "base" ), "fixed to the world in the MJCF" );
 	const Problem problem = buildProblem( model, {} );
@@ -67,7 +76,8 @@ TEST_F( MjcfTest, APlaneOfTheWorldIsAnObstacleOfEveryProblem )
 	const auto clearance = [&]( double q )
 	{
 		lw_state_result result;
-		EXPECT_EQ( lw_checker_state( problem.checker.get(), query.get(), &q, LW_CHECK_BOTH, nullptr, true, &result ), LW_OK );
+		EXPECT_EQ(
+		    lw_checker_state( problem.checker.get(), query.get(), &q, LW_CHECK_BOTH, nullptr, true, &result ), LW_OK );
 		return result.environment.upper;
 	};
 	EXPECT_NEAR( clearance( 0 ), 0.9, 1e-9 );
@@ -83,8 +93,9 @@ TEST_F( MjcfTest, APlaneOfTheWorldIsAnObstacleOfEveryProblem )
 TEST_F( MjcfTest, AnSrdfAddsToTheMjcf )
 {
 	const std::string robot = write( "robot.xml", "<mujoco model=\"r\">" + chain() + "</mujoco>" );
-	const std::string srdf = write( "r.srdf", "<robot name=\"r\"><group name=\"all\"><joint name=\"j\"/></group><group name=\"tip\"><joint name=\"l\"/></group>"
-	                                          "<disable_collisions link1=\"a\" link2=\"c\" reason=\"Never\"/><disable_collisions link1=\"a\" link2=\"b\" reason=\"mine\"/></robot>" );
+	const std::string srdf = write( "r.srdf",
+	    "<robot name=\"r\"><group name=\"all\"><joint name=\"j\"/></group><group name=\"tip\"><joint name=\"l\"/></group>"
+	    "<disable_collisions link1=\"a\" link2=\"c\" reason=\"Never\"/><disable_collisions link1=\"a\" link2=\"b\" reason=\"mine\"/></robot>" );
 	const RobotModel model = loadRobot( robot, srdf );
 	EXPECT_EQ( reason( model, "a", "c" ), "Never" );
 	EXPECT_EQ( reason( model, "a", "b" ), "Adjacent (parent and child in MJCF)" );
@@ -94,18 +105,23 @@ TEST_F( MjcfTest, AnSrdfAddsToTheMjcf )
 
 TEST_F( MjcfTest, UnknownAttributesAndSectionsAreNamed )
 {
-	const RobotModel model = load( "<worldbdy/><worldbody><body name=\"a\"><joint rnage=\"0 1\"/><geom size=\"1\"/></body></worldbody>" );
+	const RobotModel model =
+	    load( "<worldbdy/><worldbody><body name=\"a\"><joint rnage=\"0 1\"/><geom size=\"1\"/></body></worldbody>" );
 	EXPECT_NOTICE( model.report.notices, "<worldbdy> (line 2), rnage of <joint> (line 2)" );
 }
 
 TEST_F( MjcfTest, TheFormatIsFoundByContentAndNotByName )
 {
-	const std::string robot = write( "robot.urdf", "<mujoco><worldbody><body name=\"a\"><joint/><geom size=\"1\"/></body></worldbody></mujoco>" );
+	const std::string robot =
+	    write( "robot.urdf", "<mujoco><worldbody><body name=\"a\"><joint/><geom size=\"1\"/></body></worldbody></mujoco>" );
 	EXPECT_EQ( loadRobot( robot, "" ).root_link, "world" );
 	expectError( [&] { loadRobot( write( "a.xml", "<sdf version=\"1.9\"/>" ), "" ); }, { "this is an SDF", "convert" } );
 	expectError( [&] { loadRobot( write( "a.usda", "#usda 1.0\n" ), "" ); }, { "this is a USD stage (text)", "export it" } );
 	expectError( [&] { loadRobot( write( "a.usdc", "PXR-USDC" ), "" ); }, { "this is a USD stage (binary)" } );
-	expectError( [&] { loadRobot( write( "b.xml", "<mujocoinclude/>" ), "" ); }, { "a part of an MJCF model", "includes it" } );
-	expectError( [&] { loadRobot( robot, robot ); }, { "this is an MJCF model, and the root element of a SRDF is <robot>" } );
-	expectError( [&] { loadRobot( write( "c.xml", "<robot xmlns:xacro=\"x\"><xacro:arm/></robot>" ), "" ); }, { "this is a xacro file", "run xacro first" } );
+	expectError(
+	    [&] { loadRobot( write( "b.xml", "<mujocoinclude/>" ), "" ); }, { "a part of an MJCF model", "includes it" } );
+	expectError(
+	    [&] { loadRobot( robot, robot ); }, { "this is an MJCF model, and the root element of a SRDF is <robot>" } );
+	expectError( [&] { loadRobot( write( "c.xml", "<robot xmlns:xacro=\"x\"><xacro:arm/></robot>" ), "" ); },
+	    { "this is a xacro file", "run xacro first" } );
 }

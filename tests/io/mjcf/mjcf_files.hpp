@@ -15,7 +15,8 @@ class MjcfTest : public FileTest
 protected:
 	leeway::io::RobotModel load( const std::string& content, const leeway::io::LoadOptions& options = {} ) const
 	{
-		return leeway::io::loadRobot( write( "robot.xml", "<mujoco model=\"r\">\n" + content + "</mujoco>\n" ), "", options );
+		return leeway::io::loadRobot(
+		    write( "robot.xml", "<mujoco model=\"r\">\n" + content + "</mujoco>\n" ), "", options );
 	}
 	void expectBad( const std::string& content, std::vector<std::string> parts ) const
 	{
@@ -23,7 +24,8 @@ protected:
 		expectError( [&] { load( content ); }, parts );
 	}
 	/// Poses of all links by name. @param values by variable; others are 0, quaternions 0 0 0 1
-	static std::map<std::string, lw_transform> poses( const leeway::io::RobotModel& model, const std::map<std::string, double>& values = {} )
+	static std::map<std::string, lw_transform> poses(
+	    const leeway::io::RobotModel& model, const std::map<std::string, double>& values = {} )
 	{
 		const leeway::Robot robot = leeway::io::buildRobot( model );
 		std::vector<double> q( lw_robot_variable_count( robot.get() ) );

@@ -29,14 +29,15 @@ void printPose( const lw_transform& pose )
 void printShape( const std::string& link, const PlacedShape& placed )
 {
 	const lw_shape_info info = lw_shape_get_info( placed.shape.get() );
-	std::printf( "shape\t%s\t%s %.17g %.17g %.17g %u", link.c_str(), lw_shape_type_name( info.type ), info.dimensions[0], info.dimensions[1],
-	    info.dimensions[2], info.vertex_count );
+	std::printf( "shape\t%s\t%s %.17g %.17g %.17g %u", link.c_str(), lw_shape_type_name( info.type ), info.dimensions[0],
+	    info.dimensions[1], info.dimensions[2], info.vertex_count );
 	printPose( placed.pose );
 	const double* vertices = lw_shape_vertices( placed.shape.get() );
 	const double* radii = lw_shape_radii( placed.shape.get() );
 	for ( std::uint32_t i = 0; vertices != nullptr && i < info.vertex_count; ++i )
 	{
-		std::printf( "%.17g %.17g %.17g %.17g\n", vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2], radii != nullptr ? radii[i] : 0.0 );
+		std::printf( "%.17g %.17g %.17g %.17g\n", vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2],
+		    radii != nullptr ? radii[i] : 0.0 );
 	}
 }
 
@@ -46,11 +47,13 @@ void printModel( const RobotModel& model )
 	{
 		for ( const std::string& name : variableNames( joint ) )
 		{
-			std::printf( "variable\t%s\t%.17g\t%.17g\t%d\n", name.c_str(), joint.lower, joint.upper, static_cast<int>( joint.type ) );
+			std::printf(
+			    "variable\t%s\t%.17g\t%.17g\t%d\n", name.c_str(), joint.lower, joint.upper, static_cast<int>( joint.type ) );
 		}
 		if ( !joint.mimic.empty() )
 		{
-			std::printf( "mimic\t%s\t%s\t%.17g\t%.17g\n", joint.name.c_str(), joint.mimic.c_str(), joint.mimic_multiplier, joint.mimic_offset );
+			std::printf( "mimic\t%s\t%s\t%.17g\t%.17g\n", joint.name.c_str(), joint.mimic.c_str(), joint.mimic_multiplier,
+			    joint.mimic_offset );
 		}
 	}
 	for ( const LinkModel& link : model.links )
@@ -95,7 +98,8 @@ int run( const char* file )
 		{
 			q.push_back( value );
 		}
-		if ( q.size() != lw_robot_variable_count( robot.get() ) || lw_robot_fk( robot.get(), q.data(), poses.data() ) != LW_OK )
+		if ( q.size() != lw_robot_variable_count( robot.get() ) ||
+		     lw_robot_fk( robot.get(), q.data(), poses.data() ) != LW_OK )
 		{
 			std::fprintf( stderr, "%zu numbers are no state\n", q.size() );
 			return 1;

@@ -13,7 +13,8 @@ class MjcfShapes : public MjcfTest
 {
 protected:
 	/// The shapes of the world.
-	std::vector<PlacedShape> shapes( const std::string& geoms, const std::string& before = "", const LoadOptions& options = {} ) const
+	std::vector<PlacedShape> shapes(
+	    const std::string& geoms, const std::string& before = "", const LoadOptions& options = {} ) const
 	{
 		return load( before + "<worldbody>" + geoms + "</worldbody>", options ).links.at( 0 ).collision;
 	}
@@ -47,8 +48,9 @@ void append( std::string& bytes, float value )
 
 TEST_F( MjcfShapes, SizesAreHalfEdges )
 {
-	const std::vector<PlacedShape> all = shapes( "<geom type=\"box\" size=\"1 2 3\"/><geom size=\"4\" pos=\"1 2 3\"/><geom type=\"capsule\" size=\"0.5 2\"/>"
-	                                             "<geom type=\"cylinder\" size=\"0.6 3\"/>" );
+	const std::vector<PlacedShape> all =
+	    shapes( "<geom type=\"box\" size=\"1 2 3\"/><geom size=\"4\" pos=\"1 2 3\"/><geom type=\"capsule\" size=\"0.5 2\"/>"
+	            "<geom type=\"cylinder\" size=\"0.6 3\"/>" );
 	const lw_shape_type types[4] = { LW_SHAPE_BOX, LW_SHAPE_SPHERE, LW_SHAPE_CAPSULE, LW_SHAPE_CYLINDER };
 	const double dimensions[4][3] = { { 2, 4, 6 }, { 4, 0, 0 }, { 0.5, 4, 0 }, { 0.6, 6, 0 } };
 	ASSERT_EQ( all.size(), 4u );
@@ -66,8 +68,10 @@ TEST_F( MjcfShapes, SizesAreHalfEdges )
 
 TEST_F( MjcfShapes, FromtoGivesLengthPlaceAndAxis )
 {
-	const std::vector<PlacedShape> all = shapes( "<geom type=\"capsule\" size=\"0.1\" fromto=\"1 0 0 1 4 0\"/><geom type=\"box\" size=\"0.1\" fromto=\"0 0 0 0 0 6\"/>" );
-	const lw_shape_info capsule = lw_shape_get_info( all.at( 0 ).shape.get() ), box = lw_shape_get_info( all.at( 1 ).shape.get() );
+	const std::vector<PlacedShape> all = shapes(
+	    "<geom type=\"capsule\" size=\"0.1\" fromto=\"1 0 0 1 4 0\"/><geom type=\"box\" size=\"0.1\" fromto=\"0 0 0 0 0 6\"/>" );
+	const lw_shape_info capsule = lw_shape_get_info( all.at( 0 ).shape.get() ),
+	                    box = lw_shape_get_info( all.at( 1 ).shape.get() );
 	EXPECT_DOUBLE_EQ( capsule.dimensions[1], 4 );
 	expectPoint( all[0].pose, 1, 2, 0 );
 	EXPECT_NEAR( all[0].pose.r[1][2], -1, 1e-15 ) << "z goes from the second point to the first";
@@ -78,10 +82,12 @@ TEST_F( MjcfShapes, FromtoGivesLengthPlaceAndAxis )
 TEST_F( MjcfShapes, MeshIsItsConvexHullAndSolid )
 {
 	// a U: its hull fills the notch between the arms
-	write( "meshes/u.obj", "v 0 0 0\nv 3 0 0\nv 3 2 0\nv 2 2 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 1\nv 3 0 1\nv 3 2 1\nv 2 2 1\nv 2 1 1\nv 1 1 1\nv 1 2 1\n"
-	                       "v 0 2 1\nf 1 2 3 4 5 6 7 8\nf 9 10 11 12 13 14 15 16\n" );
-	const std::vector<PlacedShape> all = shapes( "<geom type=\"mesh\" mesh=\"u\"/><geom type=\"mesh\" mesh=\"u\" pos=\"9 0 0\"/>",
-	    "<compiler meshdir=\"meshes\"/><asset><mesh file=\"u.obj\" scale=\"2 1 1\"/></asset>" );
+	write( "meshes/u.obj",
+	    "v 0 0 0\nv 3 0 0\nv 3 2 0\nv 2 2 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 1\nv 3 0 1\nv 3 2 1\nv 2 2 1\nv 2 1 1\nv 1 1 1\nv 1 2 1\n"
+	    "v 0 2 1\nf 1 2 3 4 5 6 7 8\nf 9 10 11 12 13 14 15 16\n" );
+	const std::vector<PlacedShape> all =
+	    shapes( "<geom type=\"mesh\" mesh=\"u\"/><geom type=\"mesh\" mesh=\"u\" pos=\"9 0 0\"/>",
+	        "<compiler meshdir=\"meshes\"/><asset><mesh file=\"u.obj\" scale=\"2 1 1\"/></asset>" );
 	ASSERT_EQ( all.size(), 2u );
 	const lw_shape_info info = lw_shape_get_info( all[0].shape.get() );
 	EXPECT_TRUE( info.solid );
@@ -94,7 +100,9 @@ TEST_F( MjcfShapes, MeshIsItsConvexHullAndSolid )
 TEST_F( MjcfShapes, ReferencePoseOfAMeshIsTakenAway )
 {
 	const std::string corners = "0 0 0  1 0 0  0 2 0  0 0 3";
-	const PlacedShape moved = shapes( "<geom type=\"mesh\" mesh=\"t\"/>", "<asset><mesh name=\"t\" vertex=\"" + corners + "\" refpos=\"1 0 0\" refquat=\"1 0 0 1\"/></asset>" ).at( 0 );
+	const PlacedShape moved = shapes( "<geom type=\"mesh\" mesh=\"t\"/>",
+	    "<asset><mesh name=\"t\" vertex=\"" + corners + "\" refpos=\"1 0 0\" refquat=\"1 0 0 1\"/></asset>" )
+	                              .at( 0 );
 	// (x - 1, y, z), then turned by -90 degrees about z: (y, 1 - x, z)
 	EXPECT_NEAR( reach( moved, 1, 0, 0 ), 2, 1e-12 );
 	EXPECT_NEAR( reach( moved, 0, 1, 0 ), 1, 1e-12 );
@@ -113,9 +121,14 @@ TEST_F( MjcfShapes, BinaryMeshOfMuJoCo )
 		append( bytes, value );
 	}
 	write( "t.msh", bytes );
-	EXPECT_EQ( lw_shape_get_info( shapes( "<geom type=\"mesh\" mesh=\"t\"/>", "<asset><mesh file=\"t.msh\"/></asset>" ).at( 0 ).shape.get() ).triangle_count, 4u );
+	EXPECT_EQ(
+	    lw_shape_get_info(
+	        shapes( "<geom type=\"mesh\" mesh=\"t\"/>", "<asset><mesh file=\"t.msh\"/></asset>" ).at( 0 ).shape.get() )
+	        .triangle_count,
+	    4u );
 	write( "t.msh", bytes + "1234" );
-	expectBad( "<asset><mesh file=\"t.msh\"/></asset><worldbody><geom type=\"mesh\" mesh=\"t\"/></worldbody>", { "mesh t (line 2)", "its header says 64" } );
+	expectBad( "<asset><mesh file=\"t.msh\"/></asset><worldbody><geom type=\"mesh\" mesh=\"t\"/></worldbody>",
+	    { "mesh t (line 2)", "its header says 64" } );
 }
 
 TEST_F( MjcfShapes, EllipsoidIsContained )
@@ -123,16 +136,19 @@ TEST_F( MjcfShapes, EllipsoidIsContained )
 	const PlacedShape e = shapes( "<geom type=\"ellipsoid\" size=\"1 2 3\"/>" ).at( 0 );
 	for ( double a = 0; a < 6.3; a += 0.1 )
 	{
-		const double x = std::cos( a ), y = std::sin( a ) * 0.6, z = std::sin( a ) * 0.8, support = std::hypot( x, 2 * y, 3 * z );
+		const double x = std::cos( a ), y = std::sin( a ) * 0.6, z = std::sin( a ) * 0.8,
+		             support = std::hypot( x, 2 * y, 3 * z );
 		EXPECT_GE( reach( e, x, y, z ), support );
 		EXPECT_LE( reach( e, x, y, z ), 1.01 * support );
 	}
-	EXPECT_EQ( lw_shape_get_info( shapes( "<geom type=\"ellipsoid\" size=\"2 2 2\"/>" ).at( 0 ).shape.get() ).type, LW_SHAPE_SPHERE );
+	EXPECT_EQ( lw_shape_get_info( shapes( "<geom type=\"ellipsoid\" size=\"2 2 2\"/>" ).at( 0 ).shape.get() ).type,
+	    LW_SHAPE_SPHERE );
 }
 
 TEST_F( MjcfShapes, HeightFieldStandsOnItsBase )
 {
-	const std::string field = "<asset><hfield name=\"h\" nrow=\"2\" ncol=\"3\" size=\"1 2 3 0.5\" elevation=\"10 12 14  16 18 20\"/></asset>";
+	const std::string field =
+	    "<asset><hfield name=\"h\" nrow=\"2\" ncol=\"3\" size=\"1 2 3 0.5\" elevation=\"10 12 14  16 18 20\"/></asset>";
 	const PlacedShape h = shapes( "<geom type=\"hfield\" hfield=\"h\" pos=\"0 0 1\"/>", field ).at( 0 );
 	EXPECT_TRUE( lw_shape_get_info( h.shape.get() ).solid );
 	EXPECT_NEAR( reach( h, 0, 0, 1 ), 4, 1e-12 );
@@ -156,13 +172,15 @@ TEST_F( MjcfShapes, HeightFieldOfABinaryFile )
 	const PlacedShape h = shapes( "<geom type=\"hfield\" hfield=\"h\"/>", text ).at( 0 );
 	EXPECT_NEAR( reach( h, 1, 1, 1 ), 4, 1e-12 ) << "rows of a file begin at the least y";
 	write( "h.bin", bytes.substr( 0, 20 ) );
-	expectBad( text + "<worldbody><geom type=\"hfield\" hfield=\"h\"/></worldbody>", { "hfield h (line 2)", "no height field of 2 rows" } );
+	expectBad( text + "<worldbody><geom type=\"hfield\" hfield=\"h\"/></worldbody>",
+	    { "hfield h (line 2)", "no height field of 2 rows" } );
 }
 
 TEST_F( MjcfShapes, GeomsThatCollideWithNothingAreLeftOutAndNamed )
 {
-	const std::string text = "<worldbody><body name=\"a\"><geom size=\"1\" contype=\"0\" conaffinity=\"0\"/></body><body name=\"b\"><geom size=\"1\"/><geom size=\"2\" "
-	                         "contype=\"0\" conaffinity=\"0\"/></body></worldbody>";
+	const std::string text =
+	    "<worldbody><body name=\"a\"><geom size=\"1\" contype=\"0\" conaffinity=\"0\"/></body><body name=\"b\"><geom size=\"1\"/><geom size=\"2\" "
+	    "contype=\"0\" conaffinity=\"0\"/></body></worldbody>";
 	const RobotModel plain = load( text );
 	EXPECT_TRUE( plain.links.at( 1 ).collision.empty() );
 	EXPECT_EQ( plain.links.at( 2 ).collision.size(), 1u );

@@ -120,7 +120,7 @@ const Group& RobotModel::useGroup( const std::string& group ) const
 	{
 		throw Error( srdf_file.empty() ? urdf_file : srdf_file, "group " + group, "there is no such group",
 		    groups.empty() && srdf_file.empty() ? "give an SRDF that defines it, or name no group: then all joints can move"
-		                      : "use one of " + usableGroups( *this ) );
+		                                        : "use one of " + usableGroups( *this ) );
 	}
 	if ( !found->defect.empty() )
 	{
@@ -152,7 +152,8 @@ const GroupState& RobotModel::useGroupState( const std::string& group, const std
 	}
 	if ( found == nullptr )
 	{
-		throw Error( file, "group_state " + state, group.empty() ? "there is no such state" : fmt::format( "group {} has no such state", group ),
+		throw Error( file, "group_state " + state,
+		    group.empty() ? "there is no such state" : fmt::format( "group {} has no such state", group ),
 		    names.empty() ? "give an SRDF that defines it" : "use one of " + detail::joinNames( names ) );
 	}
 	if ( !found->defect.empty() )

@@ -72,17 +72,21 @@ struct OtherFormat
 	const char *root, *what, *remedy;
 };
 constexpr OtherFormat other_formats[] = {
-	{ "mujoco", "an MJCF model", "give it as the robot (--robot)" },
-	{ "mujocoinclude", "a part of an MJCF model", "give the file that includes it" },
-	{ "sdf", "an SDF model or world of Gazebo", "give the URDF that it was made from, or convert it to one (sdformat_urdf)" },
-	{ "COLLADA", "a COLLADA mesh", "name it as the mesh of a URDF" },
+    { "mujoco", "an MJCF model", "give it as the robot (--robot)" },
+    { "mujocoinclude", "a part of an MJCF model", "give the file that includes it" },
+    { "sdf", "an SDF model or world of Gazebo",
+        "give the URDF that it was made from, or convert it to one (sdformat_urdf)" },
+    { "COLLADA", "a COLLADA mesh", "name it as the mesh of a URDF" },
 };
 
 /// The kind of a USD file by its first bytes; nullptr for other files. (usdz is a zip archive.)
 const char* usdKind( const std::string& content )
 {
 	const auto begins = [&]( const char* with ) { return content.compare( 0, std::strlen( with ), with ) == 0; };
-	return begins( "#usda" ) ? "text" : begins( "PXR-USDC" ) ? "binary" : begins( "PK\x03\x04" ) ? "or another zip archive" : nullptr;
+	return begins( "#usda" )        ? "text"
+	       : begins( "PXR-USDC" )   ? "binary"
+	       : begins( "PK\x03\x04" ) ? "or another zip archive"
+	                                : nullptr;
 }
 
 } // namespace
@@ -129,7 +133,8 @@ XmlFile::XmlFile( const std::string& file ) : m_path( file )
 	std::string content = readFile( file );
 	if ( const char* usd = usdKind( content ) )
 	{
-		throw Error( file, "", fmt::format( "this is a USD stage ({})", usd ), "export it as a URDF or MJCF, with the program that made it" );
+		throw Error( file, "", fmt::format( "this is a USD stage ({})", usd ),
+		    "export it as a URDF or MJCF, with the program that made it" );
 	}
 	if ( const std::optional<XmlProblem> problem = parseXml( m_doc, std::move( content ) ) )
 	{

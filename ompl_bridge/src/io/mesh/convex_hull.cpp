@@ -24,7 +24,8 @@ namespace leeway::io::detail
 namespace
 {
 
-[[noreturn]] void refuse( const ShapeLoader::Place& place, const std::string& name, const std::string& problem, const std::string& remedy )
+[[noreturn]] void refuse(
+    const ShapeLoader::Place& place, const std::string& name, const std::string& problem, const std::string& remedy )
 {
 	throw Error( place.file, place.element, fmt::format( "{} has no convex hull: {}", name, problem ), remedy );
 }
@@ -79,7 +80,8 @@ public:
 		char command[] = "qhull Qt Pp";
 		qh_zero( m_qh.get(), m_nowhere );
 		m_began = true;
-		return qh_new_qhull( m_qh.get(), 3, static_cast<int>( points.size() / 3 ), points.data(), False, command, m_nowhere, m_nowhere );
+		return qh_new_qhull(
+		    m_qh.get(), 3, static_cast<int>( points.size() / 3 ), points.data(), False, command, m_nowhere, m_nowhere );
 	}
 	/// How far the farthest of the points may lie outside of the facets.
 	double outside() const { return m_qh->max_outside; }
@@ -115,7 +117,8 @@ TriangleSoup compact( const std::vector<double>& vertices, const std::vector<std
 		const auto [place, fresh] = number.emplace( corner, static_cast<std::uint32_t>( number.size() ) );
 		if ( fresh )
 		{
-			soup.vertices.insert( soup.vertices.end(), &vertices[std::size_t( 3 ) * corner], &vertices[std::size_t( 3 ) * corner] + 3 );
+			soup.vertices.insert(
+			    soup.vertices.end(), &vertices[std::size_t( 3 ) * corner], &vertices[std::size_t( 3 ) * corner] + 3 );
 		}
 		soup.indices.push_back( place->second );
 	}
@@ -148,7 +151,8 @@ TriangleSoup convexHull( const std::vector<double>& vertices, const ShapeLoader:
 	}
 	if ( !( hull.outside() <= 1e-9 * sizeOf( vertices ) ) )
 	{
-		refuse( place, name, fmt::format( "vertices lie up to {:.3g} m outside of the one that qhull finds", hull.outside() ),
+		refuse( place, name,
+		    fmt::format( "vertices lie up to {:.3g} m outside of the one that qhull finds", hull.outside() ),
 		    "simplify the mesh" );
 	}
 	return compact( vertices, hull.triangles() );

@@ -59,7 +59,8 @@ std::string readFor( const ShapeLoader::Place& place, const std::string& file )
 
 [[noreturn]] void damaged( const ShapeLoader::Place& place, const std::string& file, const std::string& problem )
 {
-	throw Error( place.file, place.element, fmt::format( "{}: {}", file, problem ), "write the file again with the program that made it" );
+	throw Error( place.file, place.element, fmt::format( "{}: {}", file, problem ),
+	    "write the file again with the program that made it" );
 }
 
 HeightField readBinary( const ShapeLoader::Place& place, const std::string& file )
@@ -69,9 +70,12 @@ HeightField readBinary( const ShapeLoader::Place& place, const std::string& file
 	field.rows = bytes.size() >= 8 ? wordAt( bytes, 0 ) : 0;
 	field.columns = bytes.size() >= 8 ? wordAt( bytes, 4 ) : 0;
 	const std::uint64_t count = ( bytes.size() - std::min<std::size_t>( bytes.size(), 8 ) ) / 4;
-	if ( field.rows < 1 || field.columns < 1 || count % field.columns != 0 || count / field.columns != field.rows || bytes.size() % 4 != 0 )
+	if ( field.rows < 1 || field.columns < 1 || count % field.columns != 0 || count / field.columns != field.rows ||
+	     bytes.size() % 4 != 0 )
 	{
-		damaged( place, file, fmt::format( "{} bytes are no height field of {} rows and {} columns", bytes.size(), field.rows, field.columns ) );
+		damaged( place, file,
+		    fmt::format(
+		        "{} bytes are no height field of {} rows and {} columns", bytes.size(), field.rows, field.columns ) );
 	}
 	checkLimit( &Limits::points, count, "heights", place.file, place.element );
 	for ( std::size_t at = 8; at < bytes.size(); at += 4 )
@@ -101,7 +105,8 @@ HeightField readInline( const Document& document, const XMLElement& asset, const
 	const std::int64_t rows = document.integer( asset, what, "nrow" ), columns = document.integer( asset, what, "ncol" );
 	if ( rows < 1 || columns < 1 )
 	{
-		document.fail( asset, what, fmt::format( "has {} rows and {} columns", rows, columns ), "give nrow and ncol above 0, or a file" );
+		document.fail( asset, what, fmt::format( "has {} rows and {} columns", rows, columns ),
+		    "give nrow and ncol above 0, or a file" );
 	}
 	const std::uint64_t count = static_cast<std::uint64_t>( rows ) * static_cast<std::uint64_t>( columns );
 	checkLimit( &Limits::points, count, "heights", document.path(), what );
@@ -122,7 +127,8 @@ HeightField readInline( const Document& document, const XMLElement& asset, const
 
 } // namespace
 
-HeightField readHeightField( const Document& document, const XMLElement& asset, const std::string& what, const std::string& file )
+HeightField readHeightField(
+    const Document& document, const XMLElement& asset, const std::string& what, const std::string& file )
 {
 	const ShapeLoader::Place place = document.place( asset, what, "" );
 	HeightField field = file.empty()                       ? readInline( document, asset, what )
@@ -130,7 +136,8 @@ HeightField readHeightField( const Document& document, const XMLElement& asset, 
 	                                                       : readBinary( place, file );
 	if ( field.rows < 2 || field.columns < 2 )
 	{
-		document.fail( asset, what, fmt::format( "has {} rows and {} columns", field.rows, field.columns ), "give two rows and two columns or more" );
+		document.fail( asset, what, fmt::format( "has {} rows and {} columns", field.rows, field.columns ),
+		    "give two rows and two columns or more" );
 	}
 	if ( !std::all_of( field.heights.begin(), field.heights.end(), []( double v ) { return std::isfinite( v ); } ) )
 	{
@@ -143,7 +150,8 @@ HeightField readHeightField( const Document& document, const XMLElement& asset, 
 TriangleSoup heightFieldSurface( const HeightField& field, const std::vector<double>& size )
 {
 	TriangleSoup soup;
-	const std::uint32_t rows = static_cast<std::uint32_t>( field.rows ), columns = static_cast<std::uint32_t>( field.columns );
+	const std::uint32_t rows = static_cast<std::uint32_t>( field.rows ),
+	                    columns = static_cast<std::uint32_t>( field.columns );
 	for ( std::uint32_t layer = 0; layer < 2; ++layer ) // the top, then the bottom
 	{
 		for ( std::uint32_t row = 0; row < rows; ++row )
@@ -151,14 +159,15 @@ TriangleSoup heightFieldSurface( const HeightField& field, const std::vector<dou
 			for ( std::uint32_t column = 0; column < columns; ++column )
 			{
 				const double height = layer == 0 ? size[2] * field.heights[std::size_t( row ) * columns + column] : -size[3];
-				soup.vertices.insert( soup.vertices.end(),
-				    { size[0] * ( 2.0 * column / ( columns - 1 ) - 1 ), size[1] * ( 2.0 * row / ( rows - 1 ) - 1 ), height } );
+				soup.vertices.insert( soup.vertices.end(), { size[0] * ( 2.0 * column / ( columns - 1 ) - 1 ),
+				                                               size[1] * ( 2.0 * row / ( rows - 1 ) - 1 ), height } );
 			}
 		}
 	}
 	const std::uint32_t below = rows * columns;
-	const auto wall = [&]( std::uint32_t a, std::uint32_t b )
-	{ soup.indices.insert( soup.indices.end(), { a, b, b + below, a, b + below, a + below } ); };
+	const auto wall = [&]( std::uint32_t a, std::uint32_t b ) {
+		soup.indices.insert( soup.indices.end(), { a, b, b + below, a, b + below, a + below } );
+	};
 	for ( std::uint32_t row = 0; row + 1 < rows; ++row )
 	{
 		for ( std::uint32_t column = 0; column + 1 < columns; ++column )
@@ -201,7 +210,8 @@ std::vector<double> readMsh( const std::string& file, const ShapeLoader::Place& 
 	{
 		damaged( place, file, "is shorter than the header of an MSH file" );
 	}
-	const std::uint64_t vertices = wordAt( bytes, 0 ), normals = wordAt( bytes, 4 ), texture = wordAt( bytes, 8 ), faces = wordAt( bytes, 12 );
+	const std::uint64_t vertices = wordAt( bytes, 0 ), normals = wordAt( bytes, 4 ), texture = wordAt( bytes, 8 ),
+	                    faces = wordAt( bytes, 12 );
 	const std::uint64_t expected = header + 12 * ( vertices + normals + faces ) + 8 * texture;
 	if ( bytes.size() != expected )
 	{

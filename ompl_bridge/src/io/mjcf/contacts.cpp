@@ -22,7 +22,8 @@ std::pair<std::string, std::string> sorted( const std::string& a, const std::str
 class PairWriter
 {
 public:
-	PairWriter( const Document& document, const Compiler& compiler, const Tree& tree, const GeomPairs& pairs, RobotModel& model );
+	PairWriter(
+	    const Document& document, const Compiler& compiler, const Tree& tree, const GeomPairs& pairs, RobotModel& model );
 	void write();
 	void writePlane( const PlaneLink& plane );
 
@@ -37,11 +38,12 @@ private:
 	const Tree& m_tree;
 	RobotModel& m_model;
 	std::map<std::string, std::size_t> m_bodies;
-	std::set<std::pair<std::size_t, std::size_t>> m_paired;          ///< bodies with geoms of a <pair>
-	std::map<std::pair<std::size_t, std::size_t>, int> m_excluded;   ///< bodies, with the line
+	std::set<std::pair<std::size_t, std::size_t>> m_paired;        ///< bodies with geoms of a <pair>
+	std::map<std::pair<std::size_t, std::size_t>, int> m_excluded; ///< bodies, with the line
 };
 
-PairWriter::PairWriter( const Document& document, const Compiler& compiler, const Tree& tree, const GeomPairs& pairs, RobotModel& model )
+PairWriter::PairWriter(
+    const Document& document, const Compiler& compiler, const Tree& tree, const GeomPairs& pairs, RobotModel& model )
     : m_document( document ), m_compiler( compiler ), m_tree( tree ), m_model( model )
 {
 	std::map<std::string, std::size_t> owner;
@@ -70,7 +72,8 @@ void PairWriter::readExcluded()
 			const auto found = m_bodies.find( name );
 			if ( found == m_bodies.end() )
 			{
-				m_document.fail( *e, "exclude", fmt::format( "there is no body {}", name ), "correct the name; names in a <replicate> have a suffix" );
+				m_document.fail( *e, "exclude", fmt::format( "there is no body {}", name ),
+				    "correct the name; names in a <replicate> have a suffix" );
 			}
 			bodies[k] = found->second;
 		}
@@ -108,7 +111,8 @@ std::string PairWriter::reasonFor( std::size_t a, std::size_t b, bool& partly ) 
 	{
 		for ( const Geom& other : second.geoms )
 		{
-			const bool counts = one.collides() && other.collides() && one.type != GeomType::PLANE && other.type != GeomType::PLANE;
+			const bool counts =
+			    one.collides() && other.collides() && one.type != GeomType::PLANE && other.type != GeomType::PLANE;
 			all += counts ? 1 : 0;
 			met += counts && one.meets( other ) ? 1 : 0;
 		}
@@ -144,8 +148,8 @@ void PairWriter::write()
 	if ( !partly_checked.empty() )
 	{
 		m_model.report.notices.push_back( { m_document.path(), "contype and conaffinity",
-		    fmt::format( "{} pairs of bodies are checked with all of their geoms, of which MuJoCo checks some: {}", partly_checked.size(),
-		        joinNames( partly_checked, 6 ) ) } );
+		    fmt::format( "{} pairs of bodies are checked with all of their geoms, of which MuJoCo checks some: {}",
+		        partly_checked.size(), joinNames( partly_checked, 6 ) ) } );
 	}
 }
 
@@ -165,7 +169,7 @@ void PairWriter::writePlane( const PlaneLink& plane )
 		if ( body.weld == 0 || excluded != m_excluded.end() || masked )
 		{
 			m_model.disabled.push_back( { plane.link, body.name,
-			    body.weld == 0                  ? "fixed to the world in the MJCF"
+			    body.weld == 0                 ? "fixed to the world in the MJCF"
 			    : excluded != m_excluded.end() ? fmt::format( "excluded in the MJCF (line {})", excluded->second )
 			                                   : std::string( "contype and conaffinity in the MJCF" ) } );
 		}
@@ -192,7 +196,8 @@ GeomPairs readGeomPairs( const Document& document, const Tree& tree )
 		{
 			if ( known.count( name ) == 0 )
 			{
-				document.fail( *e, "pair", fmt::format( "there is no geom {}", name ), "correct the name; names in a <replicate> have a suffix" );
+				document.fail( *e, "pair", fmt::format( "there is no geom {}", name ),
+				    "correct the name; names in a <replicate> have a suffix" );
 			}
 		}
 		pairs.insert( sorted( one, other ) );

@@ -46,7 +46,8 @@ const Joint& CouplingReader::joint( const XMLElement& e, const std::string& what
 	const auto found = m_joints.find( name );
 	if ( found == m_joints.end() )
 	{
-		m_document.fail( e, what, fmt::format( "there is no joint {}", name ), "correct the name; names in a <replicate> have a suffix" );
+		m_document.fail(
+		    e, what, fmt::format( "there is no joint {}", name ), "correct the name; names in a <replicate> have a suffix" );
 	}
 	if ( found->second->type != Joint::HINGE && found->second->type != Joint::SLIDE )
 	{
@@ -70,7 +71,8 @@ void CouplingReader::readJoint( const XMLElement& e )
 	if ( driver != nullptr && ( a[2] != 0 || a[3] != 0 || a[4] != 0 ) )
 	{
 		m_notices.push_back( m_document.notice( e, what,
-		    fmt::format( "joint {} follows joint {} by a curve, which is not held: it moves freely", follower.name, driver->name ) ) );
+		    fmt::format( "joint {} follows joint {} by a curve, which is not held: it moves freely", follower.name,
+		        driver->name ) ) );
 		return;
 	}
 	Coupling coupling;
@@ -90,7 +92,8 @@ void CouplingReader::readJoint( const XMLElement& e )
 	}
 	if ( !m_couplings.emplace( follower.name, coupling ).second )
 	{
-		m_notices.push_back( m_document.notice( e, what, fmt::format( "joint {} follows a joint already: this coupling is not held", follower.name ) ) );
+		m_notices.push_back( m_document.notice(
+		    e, what, fmt::format( "joint {} follows a joint already: this coupling is not held", follower.name ) ) );
 		return;
 	}
 	m_elements.emplace( follower.name, &e );
@@ -106,8 +109,8 @@ void CouplingReader::checkCycles() const
 		{
 			if ( at == name || steps > m_couplings.size() )
 			{
-				m_document.fail( *m_elements.at( name ), "equality", fmt::format( "joint {} follows itself by way of others", name ),
-				    "remove one of the couplings" );
+				m_document.fail( *m_elements.at( name ), "equality",
+				    fmt::format( "joint {} follows itself by way of others", name ), "remove one of the couplings" );
 			}
 			at = m_couplings.at( at ).driver;
 		}
@@ -131,9 +134,11 @@ Couplings CouplingReader::read()
 		}
 		const char* first = kind == "tendon" ? "tendon1" : e->Attribute( "site1" ) != nullptr ? "site1" : "body1";
 		const char* second = kind == "tendon" ? "tendon2" : e->Attribute( "site2" ) != nullptr ? "site2" : "body2";
-		const std::string one = m_document.optionalText( *e, kind, first ), two = m_document.optionalText( *e, kind, second );
+		const std::string one = m_document.optionalText( *e, kind, first ),
+		                  two = m_document.optionalText( *e, kind, second );
 		m_notices.push_back( m_document.notice( *e, kind,
-		    fmt::format( "is not held: {} and {} move independently of each other", one.empty() ? "its parts" : one, two.empty() ? "the rest" : two ) ) );
+		    fmt::format( "is not held: {} and {} move independently of each other", one.empty() ? "its parts" : one,
+		        two.empty() ? "the rest" : two ) ) );
 	}
 	checkCycles();
 	return std::move( m_couplings );

@@ -21,7 +21,8 @@ Document::Document( std::unique_ptr<XmlFile> main ) : m_main( std::move( main ) 
 /// Reads the files that elements below `parent` include.
 void Document::include( const XMLElement& parent, std::size_t depth )
 {
-	checkLimit( &Limits::nesting, depth, "levels of elements", fileOf( parent ).path(), fileOf( parent ).place( parent, "nesting" ) );
+	checkLimit( &Limits::nesting, depth, "levels of elements", fileOf( parent ).path(),
+	    fileOf( parent ).place( parent, "nesting" ) );
 	for ( const XMLElement& child : detail::children( parent, nullptr ) )
 	{
 		if ( std::strcmp( child.Name(), "include" ) != 0 )
@@ -31,7 +32,8 @@ void Document::include( const XMLElement& parent, std::size_t depth )
 		}
 		const std::string name = text( child, "include", "file" );
 		// relative to the main file, also in a file that is itself included
-		const std::filesystem::path path = ( std::filesystem::path( m_main->path() ).parent_path() / name ).lexically_normal();
+		const std::filesystem::path path =
+		    ( std::filesystem::path( m_main->path() ).parent_path() / name ).lexically_normal();
 		if ( !m_paths.insert( path.string() ).second )
 		{
 			fail( child, "include " + name, "the file is included twice, or includes itself", "include each file once" );
@@ -122,8 +124,8 @@ std::string Document::optionalText( const XMLElement& at, const std::string& wha
 	return value != nullptr ? value : "";
 }
 
-std::vector<double> Document::numbers( const XMLElement& at, const std::string& what, const char* attribute,
-    std::size_t least, std::size_t most ) const
+std::vector<double> Document::numbers(
+    const XMLElement& at, const std::string& what, const char* attribute, std::size_t least, std::size_t most ) const
 {
 	std::vector<double> values = fileOf( at ).numbers( at, what, attribute, least == most ? least : 0 );
 	if ( values.size() < least || values.size() > most )
@@ -142,7 +144,8 @@ std::string Document::word(
 	const std::string value = text( at, what, attribute );
 	if ( std::find( words.begin(), words.end(), value ) == words.end() )
 	{
-		fail( at, what, fmt::format( "{}=\"{}\" of <{}> is not known", attribute, value, at.Name() ), "use one of " + joinNames( words ) );
+		fail( at, what, fmt::format( "{}=\"{}\" of <{}> is not known", attribute, value, at.Name() ),
+		    "use one of " + joinNames( words ) );
 	}
 	return value;
 }
@@ -152,7 +155,9 @@ std::int64_t Document::integer( const XMLElement& at, const std::string& what, c
 	const double value = fileOf( at ).numbers( at, what, attribute, 1 )[0];
 	if ( value != std::floor( value ) || std::fabs( value ) > 4294967295.0 )
 	{
-		fail( at, what, fmt::format( "{}=\"{}\" of <{}> is no whole number of 32 bits", attribute, at.Attribute( attribute ), at.Name() ),
+		fail( at, what,
+		    fmt::format(
+		        "{}=\"{}\" of <{}> is no whole number of 32 bits", attribute, at.Attribute( attribute ), at.Name() ),
 		    "write a whole number" );
 	}
 	return static_cast<std::int64_t>( value );

@@ -26,7 +26,8 @@ public:
 	/// Child elements of all sections of this name. @param name nullptr: all
 	std::vector<const XMLElement*> inSections( const char* section, const char* name = nullptr ) const;
 
-	[[noreturn]] void fail( const XMLElement& at, const std::string& what, const std::string& problem, const std::string& remedy ) const;
+	[[noreturn]] void fail(
+	    const XMLElement& at, const std::string& what, const std::string& problem, const std::string& remedy ) const;
 	Notice notice( const XMLElement& at, const std::string& what, const std::string& text ) const;
 	/// The file of an element, and its place there: for errors of shapes.
 	ShapeLoader::Place place( const XMLElement& at, const std::string& what, const std::string& owner ) const;
@@ -38,7 +39,8 @@ public:
 	std::vector<double> numbers(
 	    const XMLElement& at, const std::string& what, const char* attribute, std::size_t least, std::size_t most ) const;
 	/// One of `words`. @throws Error
-	std::string word( const XMLElement& at, const std::string& what, const char* attribute, const std::vector<std::string>& words ) const;
+	std::string word(
+	    const XMLElement& at, const std::string& what, const char* attribute, const std::vector<std::string>& words ) const;
 	/// A whole number in the range of 32-bit bit masks. @throws Error
 	std::int64_t integer( const XMLElement& at, const std::string& what, const char* attribute ) const;
 

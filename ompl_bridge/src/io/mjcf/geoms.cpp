@@ -22,10 +22,10 @@ namespace
 TriangleSoup aroundUnitSphere( int cuts )
 {
 	const double g = ( 1 + std::sqrt( 5.0 ) ) / 2;
-	std::vector<std::array<double, 3>> points = { { -1, g, 0 }, { 1, g, 0 }, { -1, -g, 0 }, { 1, -g, 0 }, { 0, -1, g }, { 0, 1, g },
-	    { 0, -1, -g }, { 0, 1, -g }, { g, 0, -1 }, { g, 0, 1 }, { -g, 0, -1 }, { -g, 0, 1 } };
-	std::vector<std::uint32_t> facets = { 0, 11, 5, 0, 5, 1, 0, 1, 7, 0, 7, 10, 0, 10, 11, 1, 5, 9, 5, 11, 4, 11, 10, 2, 10, 7, 6, 7, 1,
-	    8, 3, 9, 4, 3, 4, 2, 3, 2, 6, 3, 6, 8, 3, 8, 9, 4, 9, 5, 2, 4, 11, 6, 2, 10, 8, 6, 7, 9, 8, 1 };
+	std::vector<std::array<double, 3>> points = { { -1, g, 0 }, { 1, g, 0 }, { -1, -g, 0 }, { 1, -g, 0 }, { 0, -1, g },
+	    { 0, 1, g }, { 0, -1, -g }, { 0, 1, -g }, { g, 0, -1 }, { g, 0, 1 }, { -g, 0, -1 }, { -g, 0, 1 } };
+	std::vector<std::uint32_t> facets = { 0, 11, 5, 0, 5, 1, 0, 1, 7, 0, 7, 10, 0, 10, 11, 1, 5, 9, 5, 11, 4, 11, 10, 2, 10,
+	    7, 6, 7, 1, 8, 3, 9, 4, 3, 4, 2, 3, 2, 6, 3, 6, 8, 3, 8, 9, 4, 9, 5, 2, 4, 11, 6, 2, 10, 8, 6, 7, 9, 8, 1 };
 	const auto onto = [&]( std::array<double, 3> p )
 	{
 		const double length = std::hypot( p[0], p[1], p[2] );
@@ -40,14 +40,16 @@ TriangleSoup aroundUnitSphere( int cuts )
 			const auto [place, fresh] = middles.emplace( std::minmax( a, b ), static_cast<std::uint32_t>( points.size() ) );
 			if ( fresh )
 			{
-				points.push_back( onto( { points[a][0] + points[b][0], points[a][1] + points[b][1], points[a][2] + points[b][2] } ) );
+				points.push_back(
+				    onto( { points[a][0] + points[b][0], points[a][1] + points[b][1], points[a][2] + points[b][2] } ) );
 			}
 			return place->second;
 		};
 		std::vector<std::uint32_t> finer;
 		for ( std::size_t i = 0; i < facets.size(); i += 3 )
 		{
-			const std::uint32_t a = facets[i], b = facets[i + 1], c = facets[i + 2], ab = middle( a, b ), bc = middle( b, c ), ca = middle( c, a );
+			const std::uint32_t a = facets[i], b = facets[i + 1], c = facets[i + 2], ab = middle( a, b ),
+			                    bc = middle( b, c ), ca = middle( c, a );
 			finer.insert( finer.end(), { a, ab, ca, b, bc, ab, c, ca, bc, ab, bc, ca } );
 		}
 		facets = finer;
@@ -76,9 +78,10 @@ constexpr int ellipsoid_cuts = 3; ///< 1280 facets; their planes are 0.997 of th
 
 } // namespace
 
-GeomShapes::GeomShapes( const Document& document, const Compiler& compiler, const Defaults& defaults, const LoadOptions& options, LoadReport& report )
-    : m_document( document ), m_compiler( compiler ), m_defaults( defaults ), m_report( report ), m_shapes( options, report ),
-      m_geometry( options, report )
+GeomShapes::GeomShapes( const Document& document, const Compiler& compiler, const Defaults& defaults,
+    const LoadOptions& options, LoadReport& report )
+    : m_document( document ), m_compiler( compiler ), m_defaults( defaults ), m_report( report ),
+      m_shapes( options, report ), m_geometry( options, report )
 {
 	index( "mesh", m_meshes );
 	index( "hfield", m_fields );
@@ -97,8 +100,8 @@ void GeomShapes::index( const char* kind, std::map<std::string, const XMLElement
 		}
 		if ( !assets.emplace( name, e ).second )
 		{
-			m_document.fail( *e, fmt::format( "{} {}", kind, name ), fmt::format( "a {} of this name was defined before", kind ),
-			    "rename or remove one of them" );
+			m_document.fail( *e, fmt::format( "{} {}", kind, name ),
+			    fmt::format( "a {} of this name was defined before", kind ), "rename or remove one of them" );
 		}
 	}
 }
@@ -110,7 +113,8 @@ const XMLElement& GeomShapes::find( const Geom& geom, const std::string& what, c
 	if ( found == assets.end() )
 	{
 		std::vector<std::string> names;
-		std::transform( assets.begin(), assets.end(), std::back_inserter( names ), []( const auto& asset ) { return asset.first; } );
+		std::transform(
+		    assets.begin(), assets.end(), std::back_inserter( names ), []( const auto& asset ) { return asset.first; } );
 		m_document.fail( *geom.element, what, fmt::format( "there is no {} {}", kind, geom.asset ),
 		    names.empty() ? fmt::format( "define it in <asset>" ) : "use one of " + joinNames( names ) );
 	}
@@ -138,7 +142,8 @@ std::vector<double> GeomShapes::meshVertices(
 		const std::vector<double> numbers = m_document.numbers( asset, what, "vertex", 1, SIZE_MAX );
 		if ( numbers.size() % 3 != 0 )
 		{
-			m_document.fail( asset, what, fmt::format( "vertex has {} numbers, not three for each", numbers.size() ), "correct their number" );
+			m_document.fail( asset, what, fmt::format( "vertex has {} numbers, not three for each", numbers.size() ),
+			    "correct their number" );
 		}
 		return numbers;
 	}
@@ -158,9 +163,11 @@ GeomShapes::Known GeomShapes::hull( const XMLElement& asset, const std::string& 
 	known.source = "convex hull of mesh " + name;
 	std::vector<double> vertices = meshVertices( asset, what, m_document.place( asset, what, place.owner ), known.file );
 	const XMLElement* scale = m_defaults.find( asset, "", "scale" );
-	const std::vector<double> factors = scale != nullptr ? m_document.numbers( *scale, what, "scale", 3, 3 ) : std::vector<double>( 3, 1.0 );
-	const std::vector<double> from =
-	    asset.Attribute( "refpos" ) != nullptr ? m_document.numbers( asset, what, "refpos", 3, 3 ) : std::vector<double>( 3, 0.0 );
+	const std::vector<double> factors =
+	    scale != nullptr ? m_document.numbers( *scale, what, "scale", 3, 3 ) : std::vector<double>( 3, 1.0 );
+	const std::vector<double> from = asset.Attribute( "refpos" ) != nullptr
+	                                     ? m_document.numbers( asset, what, "refpos", 3, 3 )
+	                                     : std::vector<double>( 3, 0.0 );
 	lw_transform turn = lw_transform_identity();
 	if ( asset.Attribute( "refquat" ) != nullptr )
 	{
@@ -173,8 +180,9 @@ GeomShapes::Known GeomShapes::hull( const XMLElement& asset, const std::string& 
 	}
 	for ( std::size_t i = 0; i + 2 < vertices.size(); i += 3 )
 	{
-		const lw_vec3 moved = lw_transform_point( &turn, { vertices[i] * factors[0] - from[0], vertices[i + 1] * factors[1] - from[1],
-		                                                     vertices[i + 2] * factors[2] - from[2] } );
+		const lw_vec3 moved =
+		    lw_transform_point( &turn, { vertices[i] * factors[0] - from[0], vertices[i + 1] * factors[1] - from[1],
+		                                   vertices[i + 2] * factors[2] - from[2] } );
 		vertices[i] = moved.x;
 		vertices[i + 1] = moved.y;
 		vertices[i + 2] = moved.z;
@@ -183,7 +191,8 @@ GeomShapes::Known GeomShapes::hull( const XMLElement& asset, const std::string& 
 	return known;
 }
 
-GeomShapes::Known GeomShapes::heightField( const XMLElement& asset, const std::string& name, const ShapeLoader::Place& place )
+GeomShapes::Known GeomShapes::heightField(
+    const XMLElement& asset, const std::string& name, const ShapeLoader::Place& place )
 {
 	const std::string what = "hfield " + name;
 	Known known;
@@ -192,7 +201,8 @@ GeomShapes::Known GeomShapes::heightField( const XMLElement& asset, const std::s
 	const std::vector<double> size = m_document.numbers( asset, what, "size", 4, 4 );
 	if ( !std::all_of( size.begin(), size.end(), []( double v ) { return v > 0; } ) )
 	{
-		m_document.fail( asset, what, fmt::format( "size=\"{}\" has numbers that are not above 0", asset.Attribute( "size" ) ),
+		m_document.fail( asset, what,
+		    fmt::format( "size=\"{}\" has numbers that are not above 0", asset.Attribute( "size" ) ),
 		    "give radius x, radius y, height and depth" );
 	}
 	const HeightField field = readHeightField( m_document, asset, what, known.file );
@@ -227,10 +237,14 @@ Shape GeomShapes::ellipsoid( const Geom& geom, const ShapeLoader::Place& place )
 	{
 		soup.vertices[i] *= geom.size[i % 3];
 	}
-	const double excess = std::max( { geom.size[0], geom.size[1], geom.size[2] } ) * ( std::hypot( soup.vertices[0] / geom.size[0],
-	                          soup.vertices[1] / geom.size[1], soup.vertices[2] / geom.size[2] ) - 1 );
-	m_report.notices.push_back( { place.file, place.element, fmt::format( "an ellipsoid is a polyhedron that contains it and exceeds it by at most {:.3g} m", excess ) } );
-	return m_geometry.solidSurface( place, fmt::format( "ellipsoid {} x {} x {}", geom.size[0], geom.size[1], geom.size[2] ), "", soup );
+	const double excess =
+	    std::max( { geom.size[0], geom.size[1], geom.size[2] } ) *
+	    ( std::hypot( soup.vertices[0] / geom.size[0], soup.vertices[1] / geom.size[1], soup.vertices[2] / geom.size[2] ) -
+	        1 );
+	m_report.notices.push_back( { place.file, place.element,
+	    fmt::format( "an ellipsoid is a polyhedron that contains it and exceeds it by at most {:.3g} m", excess ) } );
+	return m_geometry.solidSurface(
+	    place, fmt::format( "ellipsoid {} x {} x {}", geom.size[0], geom.size[1], geom.size[2] ), "", soup );
 }
 
 PlacedShape GeomShapes::make( const Geom& geom, const std::string& what, const std::string& link )
@@ -248,8 +262,9 @@ PlacedShape GeomShapes::make( const Geom& geom, const std::string& what, const s
 	case GeomType::CAPSULE:
 		return { m_shapes.primitive( place, LW_SHAPE_CAPSULE, { s[0], 2 * s[1], 0 } ), geom.pose };
 	case GeomType::ELLIPSOID:
-		return s[0] == s[1] && s[1] == s[2] ? PlacedShape{ m_shapes.primitive( place, LW_SHAPE_SPHERE, { s[0], 0, 0 } ), geom.pose }
-		                                    : PlacedShape{ ellipsoid( geom, place ), geom.pose };
+		return s[0] == s[1] && s[1] == s[2]
+		           ? PlacedShape{ m_shapes.primitive( place, LW_SHAPE_SPHERE, { s[0], 0, 0 } ), geom.pose }
+		           : PlacedShape{ ellipsoid( geom, place ), geom.pose };
 	case GeomType::MESH:
 		return { shared( geom, place, "mesh" ), geom.pose };
 	default:
@@ -268,7 +283,8 @@ PlacedShape GeomShapes::plane( const Geom& geom, const std::string& what, const 
 	const lw_transform& pose = geom.pose;
 	const std::array<double, 3> normal = { pose.r[0][2], pose.r[1][2], pose.r[2][2] };
 	const double distance = normal[0] * pose.t[0] + normal[1] * pose.t[1] + normal[2] * pose.t[2];
-	return m_geometry.plane( m_document.place( *geom.element, what, owner ), { normal[0], normal[1], normal[2], -distance }, true );
+	return m_geometry.plane(
+	    m_document.place( *geom.element, what, owner ), { normal[0], normal[1], normal[2], -distance }, true );
 }
 
 } // namespace leeway::io::detail::mjcf

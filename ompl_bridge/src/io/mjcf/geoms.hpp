@@ -13,7 +13,8 @@ class GeomShapes
 {
 public:
 	/// @throws Error (an asset without a name, or twice)
-	GeomShapes( const Document& document, const Compiler& compiler, const Defaults& defaults, const LoadOptions& options, LoadReport& report );
+	GeomShapes( const Document& document, const Compiler& compiler, const Defaults& defaults, const LoadOptions& options,
+	    LoadReport& report );
 
 	/// The shape of a geom that is no plane, at its pose in the body's frame. @param link that owns it @throws Error
 	PlacedShape make( const Geom& geom, const std::string& what, const std::string& link );
@@ -35,7 +36,8 @@ private:
 	    const std::map<std::string, const XMLElement*>& assets ) const;
 	std::string pathOf( const XMLElement& asset, const std::string& what ) const;
 	Shape shared( const Geom& geom, const ShapeLoader::Place& place, const char* kind );
-	std::vector<double> meshVertices( const XMLElement& asset, const std::string& what, const ShapeLoader::Place& place, std::string& file );
+	std::vector<double> meshVertices(
+	    const XMLElement& asset, const std::string& what, const ShapeLoader::Place& place, std::string& file );
 	Known hull( const XMLElement& asset, const std::string& name, const ShapeLoader::Place& place );
 	Known heightField( const XMLElement& asset, const std::string& name, const ShapeLoader::Place& place );
 	Shape ellipsoid( const Geom& geom, const ShapeLoader::Place& place );
@@ -58,7 +60,8 @@ struct HeightField
 };
 
 /// @param file of a PNG or of MuJoCo's binary format; empty: elevation, nrow and ncol of the element @throws Error
-HeightField readHeightField( const Document& document, const XMLElement& asset, const std::string& what, const std::string& file );
+HeightField readHeightField(
+    const Document& document, const XMLElement& asset, const std::string& what, const std::string& file );
 /// The closed surface of a height field. @param size radius x, radius y, height, depth of the ground, metres
 TriangleSoup heightFieldSurface( const HeightField& field, const std::vector<double>& size );
 /// Vertices of a file in MuJoCo's own binary format (.msh): x, y, z, ... @throws Error

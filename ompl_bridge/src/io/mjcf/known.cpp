@@ -19,29 +19,34 @@ struct Known
 };
 
 constexpr Known known_attributes[] = {
-	{ "compiler", "alignfree angle assetdir autolimits balanceinertia boundinertia boundmass conflict convexhull coordinate discardvisual "
-	              "eulerseq exactmeshinertia fitaabb fusestatic inertiafromgeom inertiagrouprange meshdir passthrough savecanonical "
-	              "savecompiled saveinertial settotalmass strippath texturedir usethread" },
-	{ "worldbody", "childclass name" },
-	{ "body", "axisangle childclass euler fuse gravcomp mocap name pos quat simple sleep user xyaxes zaxis" },
-	{ "frame", "axisangle childclass euler massscale name pos quat scale scaling xyaxes zaxis" },
-	{ "replicate", "count euler offset sep" },
-	{ "joint", "actuatorfrclimited actuatorfrcrange actuatorgravcomp armature axis class damping frictionloss group limited margin name pos "
-	           "range ref solimpfriction solimplimit solreffriction solreflimit springdamper springref springyield stiffness type user" },
-	{ "freejoint", "align group name" },
-	{ "geom", "adhesion axisangle castshadow class conaffinity condim contype density euler fitscale fluidcoef fluidshape friction fromto "
-	          "gap group hfield margin mass material mesh name pos priority quat rgba shellinertia size solimp solmix solref surfacevel type "
-	          "user xyaxes zaxis" },
-	{ "mesh", "builtin class content_type face file inertia material maxhullvert name normal params refpos refquat scale smoothnormal "
-	          "texcoord vertex" },
-	{ "hfield", "content_type elevation file name ncol nrow size" },
-	{ "exclude", "body1 body2 name" },
-	{ "pair", "adhesion class condim friction gap geom1 geom2 margin name solimp solref solreffriction" },
-	{ "key", "act ctrl mpos mquat name plastic qpos qvel time" },
+    { "compiler",
+        "alignfree angle assetdir autolimits balanceinertia boundinertia boundmass conflict convexhull coordinate discardvisual "
+        "eulerseq exactmeshinertia fitaabb fusestatic inertiafromgeom inertiagrouprange meshdir passthrough savecanonical "
+        "savecompiled saveinertial settotalmass strippath texturedir usethread" },
+    { "worldbody", "childclass name" },
+    { "body", "axisangle childclass euler fuse gravcomp mocap name pos quat simple sleep user xyaxes zaxis" },
+    { "frame", "axisangle childclass euler massscale name pos quat scale scaling xyaxes zaxis" },
+    { "replicate", "count euler offset sep" },
+    { "joint",
+        "actuatorfrclimited actuatorfrcrange actuatorgravcomp armature axis class damping frictionloss group limited margin name pos "
+        "range ref solimpfriction solimplimit solreffriction solreflimit springdamper springref springyield stiffness type user" },
+    { "freejoint", "align group name" },
+    { "geom",
+        "adhesion axisangle castshadow class conaffinity condim contype density euler fitscale fluidcoef fluidshape friction fromto "
+        "gap group hfield margin mass material mesh name pos priority quat rgba shellinertia size solimp solmix solref surfacevel type "
+        "user xyaxes zaxis" },
+    { "mesh",
+        "builtin class content_type face file inertia material maxhullvert name normal params refpos refquat scale smoothnormal "
+        "texcoord vertex" },
+    { "hfield", "content_type elevation file name ncol nrow size" },
+    { "exclude", "body1 body2 name" },
+    { "pair", "adhesion class condim friction gap geom1 geom2 margin name solimp solref solreffriction" },
+    { "key", "act ctrl mpos mquat name plastic qpos qvel time" },
 };
 
-constexpr const char* sections = "compiler option size statistic visual default extension asset worldbody deformable contact tendon equality "
-                                 "actuator sensor custom keyframe";
+constexpr const char* sections =
+    "compiler option size statistic visual default extension asset worldbody deformable contact tendon equality "
+    "actuator sensor custom keyframe";
 
 bool contains( const std::string& words, const std::string& word )
 {
@@ -58,7 +63,8 @@ public:
 	{
 		const auto known = std::find_if( std::begin( known_attributes ), std::end( known_attributes ),
 		    [&]( const Known& one ) { return std::string( e.Name() ) == one.element; } );
-		for ( const tinyxml2::XMLAttribute* a = e.FirstAttribute(); known != std::end( known_attributes ) && a != nullptr; a = a->Next() )
+		for ( const tinyxml2::XMLAttribute* a = e.FirstAttribute(); known != std::end( known_attributes ) && a != nullptr;
+		      a = a->Next() )
 		{
 			if ( !contains( known->attributes, a->Name() ) )
 			{
@@ -101,7 +107,8 @@ void noticeUnknown( const Document& document, std::vector<Notice>& notices )
 	if ( !finder.found.empty() )
 	{
 		notices.push_back( { document.path(), "<mujoco>",
-		    fmt::format( "{} attributes and sections that MJCF does not know were ignored: {}", finder.found.size(), joinNames( finder.found ) ) } );
+		    fmt::format( "{} attributes and sections that MJCF does not know were ignored: {}", finder.found.size(),
+		        joinNames( finder.found ) ) } );
 	}
 }
 

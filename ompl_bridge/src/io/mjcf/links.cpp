@@ -209,7 +209,8 @@ void LinkWriter::add( const Body& body, const std::string& parent )
 
 JointNames namesOf( const Joint& joint )
 {
-	return joint.type == Joint::BALL ? JointNames{ { joint.name + "_x", joint.name + "_y", joint.name + "_z" } } : JointNames{ { joint.name } };
+	return joint.type == Joint::BALL ? JointNames{ { joint.name + "_x", joint.name + "_y", joint.name + "_z" } }
+	                                 : JointNames{ { joint.name } };
 }
 
 void addLinks( const Document& document, const Tree& tree, const Couplings& couplings, RobotModel& model )

@@ -109,14 +109,18 @@ lw_transform Poses::turn( const std::vector<double>& position, const std::vector
 	return out;
 }
 
-lw_transform Poses::read( const XMLElement* position, const XMLElement* orientation, const char* kind, const std::string& what ) const
+lw_transform Poses::read(
+    const XMLElement* position, const XMLElement* orientation, const char* kind, const std::string& what ) const
 {
 	const std::vector<double> at =
 	    position != nullptr ? m_document.numbers( *position, what, "pos", 3, 3 ) : std::vector<double>( 3, 0.0 );
 	lw_transform out = lw_transform_identity();
 	const std::string way = kind != nullptr ? kind : "";
 	const auto bad = [&]( const char* problem )
-	{ m_document.fail( *orientation, what, fmt::format( "{}=\"{}\" {}", way, orientation->Attribute( kind ), problem ), "give directions that are not zero" ); };
+	{
+		m_document.fail( *orientation, what, fmt::format( "{}=\"{}\" {}", way, orientation->Attribute( kind ), problem ),
+		    "give directions that are not zero" );
+	};
 	if ( way == "quat" )
 	{
 		const std::vector<double> q = m_document.numbers( *orientation, what, kind, 4, 4 );
@@ -169,7 +173,8 @@ lw_transform Poses::read( const XMLElement* position, const XMLElement* orientat
 lw_transform Poses::own( const XMLElement& element, const std::string& what ) const
 {
 	const char* kind = orientationOf( m_document, element );
-	return read( element.Attribute( "pos" ) != nullptr ? &element : nullptr, kind != nullptr ? &element : nullptr, kind, what );
+	return read(
+	    element.Attribute( "pos" ) != nullptr ? &element : nullptr, kind != nullptr ? &element : nullptr, kind, what );
 }
 
 lw_transform Poses::ofClass( const XMLElement& element, const std::string& what, const std::string& child_class ) const
@@ -185,7 +190,8 @@ lw_transform Poses::between( const XMLElement& carrier, const std::string& what,
 	length = std::hypot( along[0], along[1], along[2] );
 	if ( !normalise( along ) )
 	{
-		m_document.fail( carrier, what, fmt::format( "fromto=\"{}\" joins a point with itself", carrier.Attribute( "fromto" ) ),
+		m_document.fail( carrier, what,
+		    fmt::format( "fromto=\"{}\" joins a point with itself", carrier.Attribute( "fromto" ) ),
 		    "give two different points" );
 	}
 	lw_transform out = leastTurn( along );

@@ -19,7 +19,8 @@ namespace
 class ShapeReader
 {
 public:
-	ShapeReader( const Document& document, const LoadOptions& options, const GeomPairs& pairs, GeomShapes& shapes, RobotModel& model )
+	ShapeReader(
+	    const Document& document, const LoadOptions& options, const GeomPairs& pairs, GeomShapes& shapes, RobotModel& model )
 	    : m_document( document ), m_options( options ), m_shapes( shapes ), m_model( model )
 	{
 		for ( const auto& [a, b] : pairs )
@@ -51,7 +52,10 @@ private:
 void ShapeReader::addPlane( const Body& body, const Geom& geom, const std::string& what )
 {
 	const auto taken = [&]( const std::string& name )
-	{ return std::any_of( m_model.links.begin(), m_model.links.end(), [&]( const LinkModel& link ) { return link.name == name; } ); };
+	{
+		return std::any_of(
+		    m_model.links.begin(), m_model.links.end(), [&]( const LinkModel& link ) { return link.name == name; } );
+	};
 	LinkModel link;
 	link.name = geom.name.empty() ? "plane" : geom.name;
 	while ( taken( link.name ) )
@@ -79,7 +83,8 @@ void ShapeReader::addShapes( const Body& body, bool visual, LinkModel& link )
 	for ( std::size_t i = 0; i < body.geoms.size(); ++i )
 	{
 		const Geom& geom = body.geoms[i];
-		const std::string what = geom.name.empty() ? fmt::format( "body {}, geom {}", body.name, i + 1 ) : "geom " + geom.name;
+		const std::string what =
+		    geom.name.empty() ? fmt::format( "body {}, geom {}", body.name, i + 1 ) : "geom " + geom.name;
 		if ( geom.type == GeomType::PLANE && collides( geom ) )
 		{
 			if ( body.weld != 0 )
@@ -113,7 +118,8 @@ void ShapeReader::readBody( const Body& body )
 {
 	LinkModel link; // planes add links
 	addShapes( body, false, link );
-	const bool visual = std::any_of( body.geoms.begin(), body.geoms.end(), [&]( const Geom& geom ) { return !collides( geom ); } );
+	const bool visual =
+	    std::any_of( body.geoms.begin(), body.geoms.end(), [&]( const Geom& geom ) { return !collides( geom ); } );
 	if ( link.collision.empty() && visual && m_options.use_visual )
 	{
 		addShapes( body, true, link );
@@ -123,25 +129,33 @@ void ShapeReader::readBody( const Body& body )
 	{
 		m_hidden.push_back( body.name );
 	}
-	std::find_if( m_model.links.begin(), m_model.links.end(), [&]( const LinkModel& l ) { return l.name == body.name; } )->collision =
-	    std::move( link.collision );
+	std::find_if( m_model.links.begin(), m_model.links.end(), [&]( const LinkModel& l ) { return l.name == body.name; } )
+	    ->collision = std::move( link.collision );
 }
 
 void ShapeReader::notices( const Tree& tree )
 {
 	std::vector<Notice>& notices = m_model.report.notices;
-	const auto say = [&]( const std::string& element, const std::string& text ) { notices.push_back( { m_document.path(), element, text } ); };
+	const auto say = [&]( const std::string& element, const std::string& text ) {
+		notices.push_back( { m_document.path(), element, text } );
+	};
 	if ( !m_used.empty() )
 	{
-		say( "<geom>", fmt::format( "geoms that collide with nothing (contype and conaffinity 0) are used for bodies that have no others: {}", joinNames( m_used ) ) );
+		say( "<geom>",
+		    fmt::format(
+		        "geoms that collide with nothing (contype and conaffinity 0) are used for bodies that have no others: {}",
+		        joinNames( m_used ) ) );
 	}
 	if ( !m_hidden.empty() )
 	{
-		say( "<geom>", fmt::format( "bodies of which all geoms collide with nothing (contype and conaffinity 0) are not checked: {}", joinNames( m_hidden ) ) );
+		say( "<geom>",
+		    fmt::format( "bodies of which all geoms collide with nothing (contype and conaffinity 0) are not checked: {}",
+		        joinNames( m_hidden ) ) );
 	}
 	if ( !m_margins.empty() )
 	{
-		say( "<geom>", fmt::format( "margins of geoms are not used, give margins of your own (--margins): {}", joinNames( m_margins, 4 ) ) );
+		say( "<geom>", fmt::format( "margins of geoms are not used, give margins of your own (--margins): {}",
+		                   joinNames( m_margins, 4 ) ) );
 	}
 	for ( const LinkModel& link : m_model.links )
 	{
@@ -153,8 +167,9 @@ void ShapeReader::notices( const Tree& tree )
 	if ( m_model.report.links_without_geometry.size() == m_model.links.size() )
 	{
 		throw Error( m_document.path(), "<mujoco>", "no body has a geom that collides",
-		    m_hidden.empty() ? fmt::format( "add <geom> elements to its {} bodies", tree.bodies.size() )
-		                     : "geoms that collide with nothing can be used (--visual), or change their contype and conaffinity" );
+		    m_hidden.empty()
+		        ? fmt::format( "add <geom> elements to its {} bodies", tree.bodies.size() )
+		        : "geoms that collide with nothing can be used (--visual), or change their contype and conaffinity" );
 	}
 }
 
@@ -173,10 +188,12 @@ void checkSolid( const LoadOptions& options, const RobotModel& model )
 {
 	for ( const std::string& name : options.solid )
 	{
-		const bool known = name == "*" || std::any_of( model.links.begin(), model.links.end(), [&]( const LinkModel& link ) { return link.name == name; } );
+		const bool known = name == "*" || std::any_of( model.links.begin(), model.links.end(),
+		                                      [&]( const LinkModel& link ) { return link.name == name; } );
 		if ( !known )
 		{
-			throw Error( model.urdf_file, "<mujoco>", fmt::format( "there is no link {} to be solid", name ), "leave it out: meshes of MJCF are solid hulls" );
+			throw Error( model.urdf_file, "<mujoco>", fmt::format( "there is no link {} to be solid", name ),
+			    "leave it out: meshes of MJCF are solid hulls" );
 		}
 	}
 }
@@ -190,12 +207,14 @@ void checkSections( const Document& document )
 		const bool flex = kind == "deformable" && !document.children( *e, "flex" ).empty();
 		if ( flex )
 		{
-			document.fail( *document.children( *e, "flex" )[0], "<flex>", "bodies that bend are not read", "remove it, or put boxes in its place" );
+			document.fail( *document.children( *e, "flex" )[0], "<flex>", "bodies that bend are not read",
+			    "remove it, or put boxes in its place" );
 		}
 	}
 	for ( const XMLElement* e : document.inSections( "asset", "model" ) )
 	{
-		document.fail( *e, "<model>", "models in <asset> are not read", "let MuJoCo write the model with its attachments: mj_saveLastXML()" );
+		document.fail( *e, "<model>", "models in <asset> are not read",
+		    "let MuJoCo write the model with its attachments: mj_saveLastXML()" );
 	}
 }
 

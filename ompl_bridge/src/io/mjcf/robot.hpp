@@ -24,12 +24,13 @@ JointNames namesOf( const Joint& joint );
 /// @param coupled joints that follow others, or are fixed, by name
 struct Coupling
 {
-	std::string driver; ///< empty: fixed
+	std::string driver;                ///< empty: fixed
 	double multiplier = 0, offset = 0; ///< value = multiplier * driver's value + offset
 };
 using Couplings = std::map<std::string, Coupling>;
 /// Joints of <equality> that follow others linearly; notices about all that it cannot hold. @throws Error
-Couplings readCouplings( const Document& document, const Defaults& defaults, const Tree& tree, std::vector<Notice>& notices );
+Couplings readCouplings(
+    const Document& document, const Defaults& defaults, const Tree& tree, std::vector<Notice>& notices );
 /// Adds the link of each body, and the joints between.
 void addLinks( const Document& document, const Tree& tree, const Couplings& couplings, RobotModel& model );
 

@@ -28,7 +28,8 @@ void readFlags( const Document& document, Compiler& compiler, std::vector<Notice
 		{
 			compiler.filter_parent = document.word( *flag, "flag", "filterparent", { "enable", "disable" } ) == "enable";
 		}
-		if ( flag->Attribute( "contact" ) != nullptr && document.word( *flag, "flag", "contact", { "enable", "disable" } ) == "disable" )
+		if ( flag->Attribute( "contact" ) != nullptr &&
+		     document.word( *flag, "flag", "contact", { "enable", "disable" } ) == "disable" )
 		{
 			notices.push_back( document.notice( *flag, "flag", "contact=\"disable\" is ignored: contacts are checked" ) );
 		}
@@ -44,7 +45,8 @@ void readCompilerElement( const Document& document, const XMLElement& e, Compile
 		document.fail( e, what, "coordinate=\"global\" is not read, and MuJoCo has not read it since 2.3.4",
 		    "let an older MuJoCo write the model: it writes local coordinates" );
 	}
-	compiler.degrees = has( "angle" ) ? document.word( e, what, "angle", { "degree", "radian" } ) == "degree" : compiler.degrees;
+	compiler.degrees =
+	    has( "angle" ) ? document.word( e, what, "angle", { "degree", "radian" } ) == "degree" : compiler.degrees;
 	compiler.auto_limits = has( "autolimits" ) ? isTrue( document, e, what, "autolimits" ) : compiler.auto_limits;
 	compiler.strip_path = has( "strippath" ) ? isTrue( document, e, what, "strippath" ) : compiler.strip_path;
 	compiler.align_free = has( "alignfree" ) ? isTrue( document, e, what, "alignfree" ) : compiler.align_free;
@@ -137,7 +139,8 @@ void Defaults::readClass( const XMLElement& element, Attributes& attributes, std
 	}
 	if ( depth > 0 && !m_classes.emplace( name, attributes ).second )
 	{
-		m_document.fail( element, "default " + name, "a class of this name was defined before", "rename or remove one of them" );
+		m_document.fail(
+		    element, "default " + name, "a class of this name was defined before", "rename or remove one of them" );
 	}
 	if ( depth == 0 )
 	{
@@ -147,7 +150,8 @@ void Defaults::readClass( const XMLElement& element, Attributes& attributes, std
 			m_classes[name] = attributes; // older files rename the class at the top
 		}
 	}
-	checkLimit( &Limits::objects, m_classes.size() * ( 1 + attributes.size() ), "attributes of default classes", m_document.path(), "<default>" );
+	checkLimit( &Limits::objects, m_classes.size() * ( 1 + attributes.size() ), "attributes of default classes",
+	    m_document.path(), "<default>" );
 	for ( const XMLElement* nested : m_document.children( element, "default" ) )
 	{
 		Attributes inherited = attributes;
@@ -187,7 +191,8 @@ const XMLElement* Defaults::find(
 	return found != attributes.end() ? found->second : nullptr;
 }
 
-std::pair<const XMLElement*, const char*> Defaults::findOrientation( const XMLElement& element, const std::string& child_class ) const
+std::pair<const XMLElement*, const char*> Defaults::findOrientation(
+    const XMLElement& element, const std::string& child_class ) const
 {
 	if ( const char* own = orientationOf( m_document, element ) )
 	{

@@ -35,7 +35,8 @@ public:
 	const XMLElement* find(
 	    const XMLElement& element, const std::string& child_class, const char* attribute, const char* kind = nullptr ) const;
 	/// The same for the five ways to write an orientation: an element that has one uses none of its class.
-	std::pair<const XMLElement*, const char*> findOrientation( const XMLElement& element, const std::string& child_class ) const;
+	std::pair<const XMLElement*, const char*> findOrientation(
+	    const XMLElement& element, const std::string& child_class ) const;
 	/// @throws Error if the class of a body or frame is not defined
 	void requireClass( const XMLElement& at, const std::string& what, const std::string& name ) const;
 
@@ -74,7 +75,8 @@ public:
 	lw_transform turn( const std::vector<double>& position, const std::vector<double>& euler ) const;
 
 private:
-	lw_transform read( const XMLElement* position, const XMLElement* orientation, const char* kind, const std::string& what ) const;
+	lw_transform read(
+	    const XMLElement* position, const XMLElement* orientation, const char* kind, const std::string& what ) const;
 
 	const Document& m_document;
 	const Compiler& m_compiler;

@@ -51,7 +51,8 @@ private:
 };
 
 /// Of the movable joints with one of these names, and links.
-Group StateAdder::groupOf( const std::string& name, const std::set<std::string>& joints, const std::set<std::string>& links ) const
+Group StateAdder::groupOf(
+    const std::string& name, const std::set<std::string>& joints, const std::set<std::string>& links ) const
 {
 	Group group;
 	group.name = name;
@@ -146,7 +147,8 @@ GroupState StateAdder::stateOf( const std::string& name, const std::vector<doubl
 		{
 			const double length = std::hypot( std::hypot( q[0], q[1] ), std::hypot( q[2], q[3] ) );
 			const double scale = length > 0 ? 1 / length : 0;
-			state.joints[names[0]] = { at[0], at[1], at[2], q[1] * scale, q[2] * scale, q[3] * scale, length > 0 ? q[0] * scale : 1 };
+			state.joints[names[0]] = {
+			    at[0], at[1], at[2], q[1] * scale, q[2] * scale, q[3] * scale, length > 0 ? q[0] * scale : 1 };
 		}
 		else if ( joint->type == Joint::BALL )
 		{
@@ -191,7 +193,8 @@ void StateAdder::addKeyframes()
 			const std::vector<double> given = m_document.numbers( *key, what, "qpos", 1, SIZE_MAX );
 			if ( given.size() > m_value_count )
 			{
-				defect = fmt::format( "qpos has {} numbers for {} (line {})", given.size(), m_value_count, key->GetLineNum() );
+				defect =
+				    fmt::format( "qpos has {} numbers for {} (line {})", given.size(), m_value_count, key->GetLineNum() );
 				m_model.report.notices.push_back( m_document.notice( *key, what, "cannot be used: " + defect ) );
 			}
 			std::copy_n( given.begin(), std::min( given.size(), values.size() ), values.begin() );

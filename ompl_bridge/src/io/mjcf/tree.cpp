@@ -33,7 +33,8 @@ class TreeReader
 {
 public:
 	TreeReader( const Document& document, const Compiler& compiler, const Defaults& defaults, std::vector<Notice>& notices )
-	    : m_document( document ), m_compiler( compiler ), m_defaults( defaults ), m_poses( document, compiler, defaults ), m_notices( notices )
+	    : m_document( document ), m_compiler( compiler ), m_defaults( defaults ), m_poses( document, compiler, defaults ),
+	      m_notices( notices )
 	{
 	}
 	Tree read();
@@ -108,8 +109,8 @@ void TreeReader::readChildren( const XMLElement& parent, const Place& place )
 			    kind == "attach" ? "let MuJoCo write the model with its attachments: mj_saveLastXML()"
 			                     : "remove it, or put boxes in its place: bodies that bend are not checked" );
 		}
-		else if ( std::find_if( std::begin( passed_over ), std::end( passed_over ), [&]( const char* known ) { return kind == known; } ) ==
-		          std::end( passed_over ) )
+		else if ( std::find_if( std::begin( passed_over ), std::end( passed_over ),
+		              [&]( const char* known ) { return kind == known; } ) == std::end( passed_over ) )
 		{
 			m_document.fail( *child, fmt::format( "<{}>", kind ), fmt::format( "<{}> is not known in a body", kind ),
 			    "use body, frame, joint, freejoint or geom" );
@@ -123,7 +124,8 @@ void TreeReader::readFrame( const XMLElement& e, const Place& place )
 	{
 		if ( std::strcmp( scaling, "scale" ) == 0 && e.Attribute( scaling ) != nullptr )
 		{
-			m_document.fail( e, "frame", "scale of a <frame> is not read", "let MuJoCo write the compiled model: mj_saveLastXML()" );
+			m_document.fail(
+			    e, "frame", "scale of a <frame> is not read", "let MuJoCo write the compiled model: mj_saveLastXML()" );
 		}
 	}
 	Place inner = place;
@@ -144,8 +146,10 @@ void TreeReader::readReplicas( const XMLElement& e, const Place& place )
 	}
 	checkLimit( &Limits::links, static_cast<std::uint64_t>( count ), "replicas", m_document.path(), "replicate" );
 	const std::vector<double> zero( 3, 0.0 );
-	const std::vector<double> offset = e.Attribute( "offset" ) != nullptr ? m_document.numbers( e, what, "offset", 3, 3 ) : zero;
-	const std::vector<double> euler = e.Attribute( "euler" ) != nullptr ? m_document.numbers( e, what, "euler", 3, 3 ) : zero;
+	const std::vector<double> offset =
+	    e.Attribute( "offset" ) != nullptr ? m_document.numbers( e, what, "offset", 3, 3 ) : zero;
+	const std::vector<double> euler =
+	    e.Attribute( "euler" ) != nullptr ? m_document.numbers( e, what, "euler", 3, 3 ) : zero;
 	const lw_transform turn = m_poses.turn( zero, euler );
 	const std::string separator = m_document.optionalText( e, what, "sep" );
 	const std::size_t digits = std::to_string( count ).size();
@@ -191,15 +195,18 @@ void TreeReader::readRange( const XMLElement& e, const Place& place, Joint& join
 	const std::string what = "joint " + joint.name;
 	const XMLElement* range = m_defaults.find( e, place.child_class, "range" );
 	const XMLElement* limited = m_defaults.find( e, place.child_class, "limited" );
-	const std::string wanted = limited != nullptr ? m_document.word( *limited, what, "limited", { "true", "false", "auto" } ) : "auto";
-	const std::vector<double> given = range != nullptr ? m_document.numbers( *range, what, "range", 2, 2 ) : std::vector<double>( 2, 0.0 );
+	const std::string wanted =
+	    limited != nullptr ? m_document.word( *limited, what, "limited", { "true", "false", "auto" } ) : "auto";
+	const std::vector<double> given =
+	    range != nullptr ? m_document.numbers( *range, what, "range", 2, 2 ) : std::vector<double>( 2, 0.0 );
 	if ( wanted == "false" || ( wanted == "auto" && range == nullptr ) )
 	{
 		return;
 	}
 	if ( given[0] > given[1] )
 	{
-		m_document.fail( *range, what, fmt::format( "lower limit {} is above upper limit {}", given[0], given[1] ), "swap or correct them" );
+		m_document.fail( *range, what, fmt::format( "lower limit {} is above upper limit {}", given[0], given[1] ),
+		    "swap or correct them" );
 	}
 	if ( wanted == "auto" && !m_compiler.auto_limits && given[0] != given[1] )
 	{
@@ -210,7 +217,8 @@ void TreeReader::readRange( const XMLElement& e, const Place& place, Joint& join
 	{
 		if ( wanted == "true" )
 		{
-			m_document.fail( *limited, what, fmt::format( "is limited, and its range is from {0} to {0}", given[0] ), "give a range, or remove the joint" );
+			m_document.fail( *limited, what, fmt::format( "is limited, and its range is from {0} to {0}", given[0] ),
+			    "give a range, or remove the joint" );
 		}
 		return; // an empty range is none
 	}
@@ -236,21 +244,27 @@ void TreeReader::readJoint( const XMLElement& e, const Place& place )
 		m_document.fail( e, what, "a joint of this name was defined before", "rename or remove one of them" );
 	}
 	const bool free = std::strcmp( e.Name(), "freejoint" ) == 0;
-	const auto carrier = [&]( const char* attribute ) { return free ? nullptr : m_defaults.find( e, place.child_class, attribute ); };
+	const auto carrier = [&]( const char* attribute )
+	{ return free ? nullptr : m_defaults.find( e, place.child_class, attribute ); };
 	if ( const XMLElement* type = carrier( "type" ) )
 	{
 		const std::string word = m_document.word( *type, what, "type", { "hinge", "slide", "ball", "free" } );
-		joint.type = word == "slide" ? Joint::SLIDE : word == "ball" ? Joint::BALL : word == "free" ? Joint::FREE : Joint::HINGE;
+		joint.type = word == "slide"  ? Joint::SLIDE
+		             : word == "ball" ? Joint::BALL
+		             : word == "free" ? Joint::FREE
+		                              : Joint::HINGE;
 	}
 	joint.type = free ? Joint::FREE : joint.type;
 	if ( joint.type == Joint::FREE )
 	{
-		const bool align = e.Attribute( "align" ) != nullptr && m_document.word( e, what, "align", { "true", "false", "auto" } ) != "auto"
-		                       ? m_document.word( e, what, "align", { "true", "false", "auto" } ) == "true"
-		                       : m_compiler.align_free;
+		const bool align =
+		    e.Attribute( "align" ) != nullptr && m_document.word( e, what, "align", { "true", "false", "auto" } ) != "auto"
+		        ? m_document.word( e, what, "align", { "true", "false", "auto" } ) == "true"
+		        : m_compiler.align_free;
 		if ( align )
 		{
-			m_notices.push_back( m_document.notice( e, what, "is not aligned with the inertia of its body: values of the joint differ from MuJoCo's" ) );
+			m_notices.push_back( m_document.notice(
+			    e, what, "is not aligned with the inertia of its body: values of the joint differ from MuJoCo's" ) );
 		}
 		body.joints.push_back( joint );
 		return;
@@ -258,8 +272,10 @@ void TreeReader::readJoint( const XMLElement& e, const Place& place )
 	const XMLElement* position = carrier( "pos" );
 	const XMLElement* axis = carrier( "axis" );
 	const XMLElement* reference = carrier( "ref" );
-	const std::vector<double> p = position != nullptr ? m_document.numbers( *position, what, "pos", 3, 3 ) : std::vector<double>( 3, 0.0 );
-	const std::vector<double> a = axis != nullptr ? m_document.numbers( *axis, what, "axis", 3, 3 ) : std::vector<double>{ 0, 0, 1 };
+	const std::vector<double> p =
+	    position != nullptr ? m_document.numbers( *position, what, "pos", 3, 3 ) : std::vector<double>( 3, 0.0 );
+	const std::vector<double> a =
+	    axis != nullptr ? m_document.numbers( *axis, what, "axis", 3, 3 ) : std::vector<double>{ 0, 0, 1 };
 	const lw_vec3 point = lw_transform_point( &place.pose, { p[0], p[1], p[2] } );
 	std::copy_n( &point.x, 3, joint.position );
 	const double length = std::hypot( a[0], a[1], a[2] );
@@ -285,23 +301,30 @@ void TreeReader::checkJoints( const Body& body )
 {
 	const std::string what = "body " + body.name;
 	const auto count = [&]( Joint::Type type )
-	{ return std::count_if( body.joints.begin(), body.joints.end(), [&]( const Joint& joint ) { return joint.type == type; } ); };
+	{
+		return std::count_if(
+		    body.joints.begin(), body.joints.end(), [&]( const Joint& joint ) { return joint.type == type; } );
+	};
 	if ( count( Joint::FREE ) > 0 && ( body.joints.size() > 1 || body.parent != 0 ) )
 	{
-		m_document.fail( *body.element, what, body.parent != 0 ? "has a free joint and is no child of the world" : "has joints beside its free joint",
+		m_document.fail( *body.element, what,
+		    body.parent != 0 ? "has a free joint and is no child of the world" : "has joints beside its free joint",
 		    "a free body is a child of <worldbody> and has one joint" );
 	}
 	if ( count( Joint::BALL ) > 0 && count( Joint::BALL ) + count( Joint::HINGE ) > 1 )
 	{
-		m_document.fail( *body.element, what, "has a ball joint and another joint that turns", "put one of them into a body between" );
+		m_document.fail(
+		    *body.element, what, "has a ball joint and another joint that turns", "put one of them into a body between" );
 	}
 	if ( body.mocap && ( !body.joints.empty() || body.parent != 0 ) )
 	{
-		m_document.fail( *body.element, what, "is a mocap body with joints or below another body", "a mocap body stands in <worldbody> and has no joint" );
+		m_document.fail( *body.element, what, "is a mocap body with joints or below another body",
+		    "a mocap body stands in <worldbody> and has no joint" );
 	}
 	if ( body.mocap )
 	{
-		m_notices.push_back( m_document.notice( *body.element, what, "is a mocap body: it is fixed where the file places it" ) );
+		m_notices.push_back(
+		    m_document.notice( *body.element, what, "is a mocap body: it is fixed where the file places it" ) );
 	}
 }
 
@@ -353,7 +376,8 @@ void TreeReader::readSize( const XMLElement& e, const Place& place, const std::s
 	{
 		if ( !( geom.size[i] > 0 ) )
 		{
-			m_document.fail( size != nullptr ? *size : e, what, fmt::format( "size {} is {}: a {} needs {} above 0", i + 1, geom.size[i], "geom of this type", needed ),
+			m_document.fail( size != nullptr ? *size : e, what,
+			    fmt::format( "size {} is {}: a {} needs {} above 0", i + 1, geom.size[i], "geom of this type", needed ),
 			    "give the sizes, which are half of the edges and radii" );
 		}
 	}
@@ -365,16 +389,19 @@ void TreeReader::readGeom( const XMLElement& e, const Place& place )
 	Geom geom;
 	geom.element = &e;
 	geom.name = nameOf( e, "geom", place );
-	const std::string what = geom.name.empty() ? fmt::format( "body {}, geom {}", body.name, body.geoms.size() + 1 ) : "geom " + geom.name;
+	const std::string what =
+	    geom.name.empty() ? fmt::format( "body {}, geom {}", body.name, body.geoms.size() + 1 ) : "geom " + geom.name;
 	checkLimit( &Limits::objects, ++m_geom_count, "geoms", m_document.path(), what );
 	const auto carrier = [&]( const char* attribute ) { return m_defaults.find( e, place.child_class, attribute ); };
 	if ( const XMLElement* type = carrier( "type" ) )
 	{
-		const std::vector<std::string> types = { "plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh" };
+		const std::vector<std::string> types = {
+		    "plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh" };
 		const std::string word = m_document.text( *type, what, "type" );
 		if ( word == "sdf" )
 		{
-			m_document.fail( *type, what, "type sdf is a function in a plugin of MuJoCo and is not read", "give a mesh of its surface" );
+			m_document.fail(
+			    *type, what, "type sdf is a function in a plugin of MuJoCo and is not read", "give a mesh of its surface" );
 		}
 		m_document.word( *type, what, "type", types );
 		geom.type = static_cast<GeomType>( std::find( types.begin(), types.end(), word ) - types.begin() );
@@ -393,14 +420,16 @@ void TreeReader::readGeom( const XMLElement& e, const Place& place )
 	                                                                 : "";
 	if ( geom.asset.empty() && ( geom.type == GeomType::MESH || geom.type == GeomType::HFIELD ) )
 	{
-		m_document.fail( e, what, "names no asset", geom.type == GeomType::MESH ? "add mesh=\"...\"" : "add hfield=\"...\"" );
+		m_document.fail(
+		    e, what, "names no asset", geom.type == GeomType::MESH ? "add mesh=\"...\"" : "add hfield=\"...\"" );
 	}
 	const lw_transform pose = m_poses.ofClass( e, what, place.child_class );
 	geom.pose = lw_transform_multiply( &place.pose, &pose );
 	const bool fitted = mesh != nullptr && sizeCount( geom.type ) > 0;
 	if ( fitted && geom.collides() )
 	{
-		m_document.fail( e, what, fmt::format( "MuJoCo fits a shape to mesh {}, and that is not read", mesh->Attribute( "mesh" ) ),
+		m_document.fail( e, what,
+		    fmt::format( "MuJoCo fits a shape to mesh {}, and that is not read", mesh->Attribute( "mesh" ) ),
 		    "write type=\"mesh\" for its convex hull, or give the sizes of the shape" );
 	}
 	if ( !fitted )

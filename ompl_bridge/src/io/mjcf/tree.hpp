@@ -45,14 +45,17 @@ struct Geom
 	std::string name; ///< may be empty
 	const XMLElement* element = nullptr;
 	GeomType type = GeomType::SPHERE;
-	std::string asset;    ///< of a mesh or height field
+	std::string asset; ///< of a mesh or height field
 	double size[3] = { 0, 0, 0 };
-	lw_transform pose;    ///< in the body's frame
+	lw_transform pose; ///< in the body's frame
 	std::uint32_t contype = 1, conaffinity = 1;
 	double margin = 0;
 
 	bool collides() const { return contype != 0 || conaffinity != 0; }
-	bool meets( const Geom& other ) const { return ( contype & other.conaffinity ) != 0 || ( other.contype & conaffinity ) != 0; }
+	bool meets( const Geom& other ) const
+	{
+		return ( contype & other.conaffinity ) != 0 || ( other.contype & conaffinity ) != 0;
+	}
 };
 
 struct Body
@@ -63,7 +66,7 @@ struct Body
 	lw_transform pose;      ///< in the parent's frame, at the reference values of its joints
 	std::vector<Joint> joints;
 	std::vector<Geom> geoms;
-	std::size_t weld = 0;   ///< the topmost body that it stands still against; 0 = fixed to the world
+	std::size_t weld = 0; ///< the topmost body that it stands still against; 0 = fixed to the world
 	bool mocap = false;
 };
 

@@ -61,7 +61,10 @@ std::vector<std::pair<std::string, std::string>> NeighbourFinder::allowed() cons
 {
 	std::vector<std::pair<std::string, std::string>> pairs;
 	const auto known = [&]( const std::string& name )
-	{ return std::any_of( m_model.links.begin(), m_model.links.end(), [&]( const LinkModel& link ) { return link.name == name; } ); };
+	{
+		return std::any_of(
+		    m_model.links.begin(), m_model.links.end(), [&]( const LinkModel& link ) { return link.name == name; } );
+	};
 	for ( const DisabledPair& pair : m_model.disabled )
 	{
 		if ( known( pair.link1 ) && known( pair.link2 ) )
@@ -128,7 +131,8 @@ std::vector<LinkPair> NeighbourFinder::pairsToTry() const
 	{
 		for ( std::size_t b = a + 1; isSolid( a ) && b < m_model.links.size(); ++b )
 		{
-			const bool allowed = lw_robot_pair_allowed( m_robot.get(), static_cast<std::uint32_t>( a ), static_cast<std::uint32_t>( b ) );
+			const bool allowed =
+			    lw_robot_pair_allowed( m_robot.get(), static_cast<std::uint32_t>( a ), static_cast<std::uint32_t>( b ) );
 			if ( isSolid( b ) && !allowed && m_found.count( { a, b } ) == 0 )
 			{
 				pairs.emplace_back( a, b );
@@ -174,7 +178,8 @@ bool NeighbourFinder::touch( const LinkPair& pair, const std::vector<lw_transfor
 			const lw_transform a = lw_transform_multiply( &poses[pair.first], &one.pose );
 			const lw_transform b = lw_transform_multiply( &poses[pair.second], &other.pose );
 			lw_clearance clearance;
-			const lw_status status = lw_shape_distance( one.shape.get(), &a, other.shape.get(), &b, &near, m_query.get(), &clearance );
+			const lw_status status =
+			    lw_shape_distance( one.shape.get(), &a, other.shape.get(), &b, &near, m_query.get(), &clearance );
 			if ( status == LW_OK && clearance.kind == LW_CLEARANCE_VIOLATION )
 			{
 				return true;
@@ -219,10 +224,12 @@ void allowNeighbours( RobotModel& model )
 	for ( const DisabledPair& pair : finder.found )
 	{
 		names.push_back( fmt::format( "{} - {} ({})", pair.link1, pair.link2,
-		    pair.reason.compare( 0, 6, "Always" ) == 0 ? "in contact in all of the states tried" : pair.reason.substr( 10, pair.reason.size() - 11 ) ) );
+		    pair.reason.compare( 0, 6, "Always" ) == 0 ? "in contact in all of the states tried"
+		                                               : pair.reason.substr( 10, pair.reason.size() - 11 ) ) );
 	}
 	model.report.notices.push_back( { model.urdf_file, "no SRDF",
-	    fmt::format( "contact of {} pairs of links is allowed, and checked with --strict: {}", finder.found.size(), joinNames( names ) ) } );
+	    fmt::format( "contact of {} pairs of links is allowed, and checked with --strict: {}", finder.found.size(),
+	        joinNames( names ) ) } );
 	model.disabled.insert( model.disabled.end(), finder.found.begin(), finder.found.end() );
 }
 

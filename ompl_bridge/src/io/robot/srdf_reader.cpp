@@ -417,7 +417,8 @@ void SrdfReader::readGroups()
 	{
 		// of the same name, the SRDF's group counts and not the MJCF's
 		m_model.groups.erase( std::remove_if( m_model.groups.begin(), m_model.groups.end(),
-		                          [&]( const Group& known ) { return known.name == name; } ), m_model.groups.end() );
+		                          [&]( const Group& known ) { return known.name == name; } ),
+		    m_model.groups.end() );
 		m_model.groups.push_back( group( name ) );
 	}
 }

@@ -61,7 +61,8 @@ void setValues( const std::map<std::string, double>& values, const std::string& 
 void setInitial( Articulation& articulation )
 {
 	const std::vector<GroupState>& states = articulation.model.group_states;
-	const auto initial = std::find_if( states.begin(), states.end(), []( const GroupState& state ) { return state.name == "qpos0"; } );
+	const auto initial =
+	    std::find_if( states.begin(), states.end(), []( const GroupState& state ) { return state.name == "qpos0"; } );
 	for ( const JointModel& joint : articulation.model.joints )
 	{
 		const std::vector<std::string> names = io::variableNames( joint );

@@ -535,7 +535,8 @@ std::optional<SceneModel> withGround( const RobotModel& model, const SceneModel*
 		SceneObject object;
 		object.name = link.name;
 		object.frame = link.name;
-		std::copy_if( link.collision.begin(), link.collision.end(), std::back_inserter( object.shapes ), detail::isUnbounded );
+		std::copy_if(
+		    link.collision.begin(), link.collision.end(), std::back_inserter( object.shapes ), detail::isUnbounded );
 		if ( !object.shapes.empty() )
 		{
 			ground.push_back( std::move( object ) );
@@ -549,10 +550,12 @@ std::optional<SceneModel> withGround( const RobotModel& model, const SceneModel*
 	with.file = scene != nullptr ? with.file : model.urdf_file;
 	for ( SceneObject& object : ground )
 	{
-		const bool taken = std::any_of( with.objects.begin(), with.objects.end(), [&]( const SceneObject& other ) { return other.name == object.name; } );
+		const bool taken = std::any_of( with.objects.begin(), with.objects.end(),
+		    [&]( const SceneObject& other ) { return other.name == object.name; } );
 		if ( taken )
 		{
-			throw Error( with.file, "object " + object.name, fmt::format( "{} has a plane of this name", model.urdf_file ), "rename the object" );
+			throw Error( with.file, "object " + object.name, fmt::format( "{} has a plane of this name", model.urdf_file ),
+			    "rename the object" );
 		}
 		with.objects.push_back( std::move( object ) );
 	}

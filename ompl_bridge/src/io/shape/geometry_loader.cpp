@@ -139,7 +139,8 @@ Shape GeometryLoader::solidInlineMesh( const Place& place, const TriangleSoup& s
 	return solidOf( place, lineOf( "solid inline mesh", "" ), Stopwatch(), soup, m_options.weld_tolerance );
 }
 
-Shape GeometryLoader::solidSurface( const Place& place, const std::string& source, const std::string& file, const TriangleSoup& soup )
+Shape GeometryLoader::solidSurface(
+    const Place& place, const std::string& source, const std::string& file, const TriangleSoup& soup )
 {
 	return solidOf( place, lineOf( source, file ), Stopwatch(), soup, 0 );
 }
