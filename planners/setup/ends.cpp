@@ -2,6 +2,7 @@
 // Start and goal of a plan: of a request, and of --start and --goal over it.
 #include "setup/ends.hpp"
 
+#include "setup/random_end.hpp"
 #include "text/csv.hpp"
 #include "text/names.hpp"
 
@@ -15,7 +16,7 @@ namespace leeway::cli
 namespace
 {
 
-const char* const how_to_write = "write joint=value,joint=value or the name of a group_state of the SRDF";
+const char* const how_to_write = "write joint=value,joint=value, the name of a group_state, or random";
 
 [[noreturn]] void wrong( const std::string& option, const std::string& problem, const std::string& remedy )
 {
@@ -113,6 +114,22 @@ End parse( const std::string& option, const std::string& text, const std::string
 	           : parseValues( option, text, robot );
 }
 
+// The word, unless a state has this name.
+bool isRandom( const std::string& text, const io::RobotModel& robot )
+{
+	const bool named = std::any_of( robot.group_states.begin(), robot.group_states.end(),
+	    []( const io::GroupState& state ) { return state.name == "random"; } );
+	return text == "random" && !named;
+}
+
+// The input as it stands when an end is drawn.
+Input withRequest( const Input& input, const io::Request& request )
+{
+	Input with = input;
+	with.request = request;
+	return with;
+}
+
 // As RViz has them for goals: metres, radians.
 constexpr double place_tolerance = 1e-4, turn_tolerance = 1e-3;
 
@@ -198,7 +215,9 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 	if ( !options.goal.empty() )
 	{
 		const std::string wanted = options.common.group.empty() ? request.group : options.common.group;
-		const End goal = parse( "--goal", options.goal, wanted, input.robot );
+		const End goal = isRandom( options.goal, input.robot )
+		                     ? End{ randomFreeState( "--goal random", withRequest( input, request ), wanted, 2 * options.seed + 1 ), "" }
+		                     : parse( "--goal", options.goal, wanted, input.robot );
 		state_group = goal.group;
 		clearGoal( request, ends, "--goal" );
 		for ( const auto& [name, value] : goal.values )
@@ -222,7 +241,10 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 	ends.group = !options.common.group.empty() ? options.common.group : request.group;
 	if ( !options.start.empty() )
 	{
-		const End start = parse( "--start", options.start, ends.group.empty() ? state_group : ends.group, input.robot );
+		const std::string wanted = ends.group.empty() ? state_group : ends.group;
+		const End start = isRandom( options.start, input.robot )
+		                      ? End{ randomFreeState( "--start random", withRequest( input, request ), wanted, 2 * options.seed ), "" }
+		                      : parse( "--start", options.start, wanted, input.robot );
 		if ( ends.group.empty() && !state_group.empty() && !start.group.empty() && start.group != state_group )
 		{
 			wrong( "--start",

@@ -160,10 +160,10 @@ const HelpText plan_help = {
 Example: leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --out path.yaml
 
 Exit status 0: a path; 1: no path; 2: error, also if start or goal is not free, violates a limit or cannot be reached.)",
-    R"(--start and --goal are joint=value,joint=value (names as for `leeway check`) or a group_state of the SRDF; they override the
-request. Joints that --goal does not name keep their start value; joints without any start value start at 0. Without a
-group all joints can move. Without an SRDF neighbouring links that overlap are in contact: `leeway pairs --out` writes
-an SRDF, or --allow LINK:LINK allows a pair. The request's planner_id is not used.
+    R"(--start and --goal are joint=value,joint=value (names as for `leeway check`), a group_state, or random (free, by
+--seed); they override the request. Joints that --goal does not name keep their start value; joints without any start value start at 0. Without a
+group all joints can move. Without an SRDF links that a joint joins, or that are always in contact, may touch
+(a notice names them): `leeway pairs --out` writes an SRDF, --strict checks all pairs, --allow LINK:LINK allows a pair. The request's planner_id is not used.
 
 A goal may also be poses of links: --goal-pose hand=0.4,0.1,0.5,0,1,0,0 (x, y, z, quaternion; without the quaternion any
 orientation), or position_constraints and orientation_constraints of the request, alone or with joint_constraints. Inverse
