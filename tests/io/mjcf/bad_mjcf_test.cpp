@@ -153,7 +153,7 @@ TEST_F( MjcfTest, WrongFilesAreRefusedWithTheirPlace )
 	write( "twice.xml", "<mujoco/>" );
 	write( "loop.xml", "<x><include file=\"loop.xml\"/></x>" );
 	write( "broken.xml", "<x><y></x>" );
-	write( "flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\n" );
+	write( "flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n" );
 	const std::string joint = "<joint name=\"j\"", close = "/>" + ball;
 	for ( const std::vector<BadFile>* files : { &badSettings(), &badTrees(), &badGeoms() } )
 	{
@@ -172,7 +172,7 @@ TEST_F( MjcfTest, WrongFilesAreRefusedWithTheirPlace )
 	expectBad( two + "<equality><joint joint1=\"j\" joint2=\"j\"/></equality>", { "follows itself" } );
 	expectBad( two + "<equality><joint joint1=\"j\" joint2=\"k\"/><joint joint1=\"k\" joint2=\"j\"/></equality>",
 	    { "by way of others" } );
-	expectBad( two + "<keyframe><key name=\"a\"/><key name=\"a\"/></keyframe>", { "key a (line 5)", "defined before" } );
+	expectBad( two + "<keyframe><key name=\"a\"/><key name=\"a\"/></keyframe>", { "key a (line 4)", "defined before" } );
 }
 
 TEST_F( MjcfTest, KeyframesOfTooManyNumbersCannotBeUsed )

@@ -96,7 +96,7 @@ TEST_F( MjcfTest, AnSrdfAddsToTheMjcf )
 	const std::string srdf = write( "r.srdf",
 	    "<robot name=\"r\"><group name=\"all\"><joint name=\"j\"/></group><group name=\"tip\"><joint name=\"l\"/></group>"
 	    "<disable_collisions link1=\"a\" link2=\"c\" reason=\"Never\"/><disable_collisions link1=\"a\" link2=\"b\" reason=\"mine\"/></robot>" );
-	const RobotModel model = loadRobot( robot, srdf );
+	const RobotModel model = loadRobot( robot, srdf, strict() );
 	EXPECT_EQ( reason( model, "a", "c" ), "Never" );
 	EXPECT_EQ( reason( model, "a", "b" ), "Adjacent (parent and child in MJCF)" );
 	EXPECT_EQ( model.useGroup( "all" ).joints, std::vector<std::string>{ "j" } ) << "the group of the SRDF counts";

@@ -13,14 +13,21 @@
 class MjcfTest : public FileTest
 {
 protected:
-	leeway::io::RobotModel load( const std::string& content, const leeway::io::LoadOptions& options = {} ) const
+	/// Strict, so that shapes that overlap are no neighbours.
+	static leeway::io::LoadOptions strict()
+	{
+		leeway::io::LoadOptions options;
+		options.strict = true;
+		return options;
+	}
+	leeway::io::RobotModel load( const std::string& content, const leeway::io::LoadOptions& options = strict() ) const
 	{
 		return leeway::io::loadRobot(
 		    write( "robot.xml", "<mujoco model=\"r\">\n" + content + "</mujoco>\n" ), "", options );
 	}
 	void expectBad( const std::string& content, std::vector<std::string> parts ) const
 	{
-		parts.push_back( "robot.xml" );
+		parts.push_back( ".xml: " );
 		expectError( [&] { load( content ); }, parts );
 	}
 	/// Poses of all links by name. @param values by variable; others are 0, quaternions 0 0 0 1

@@ -147,7 +147,7 @@ TEST_F( MjcfTest, ReplicasStandAtPowersOfTheOffset )
 	expectPoint( all.at( "a-10" ), 1, 0, 0 );
 	expectPoint( all.at( "a-01" ), 0, 1, 0 );
 	expectPoint( all.at( "a-11" ), 1, 1, 0 );
-	EXPECT_NEAR( all.at( "a-11" ).r[0][1], 1, 1e-15 ); // quat 0.5 0.5 0.5 0.5
+	EXPECT_NEAR( all.at( "a-11" ).r[0][2], 1, 1e-15 ); // quat 0.5 0.5 0.5 0.5
 }
 
 TEST_F( MjcfTest, EqualityOfJointsIsAMimic )

@@ -37,7 +37,9 @@ protected:
 			                  std::to_string( i - 1 ) + "\"/><child link=\"l" + number +
 			                  "\"/><origin xyz=\"0.3 0 0\"/><limit " + limits + " effort=\"1\" velocity=\"1\"/></joint>\n";
 		}
-		return loadRobot( write( "r.urdf", urdf + "</robot>" ), "" );
+		LoadOptions options;
+		options.strict = true; // without a notice about neighbours
+		return loadRobot( write( "r.urdf", urdf + "</robot>" ), "", options );
 	}
 	/// Notices of a problem with one mesh as obstacle. @param more keys of the mesh and the object
 	std::vector<Notice> inScene( const RobotModel& robot, const std::string& file, const std::string& position,

@@ -138,6 +138,7 @@ TEST_F( UrdfTest, OneNoticeForAllLinksThatAreAlike )
 	EXPECT_NOTICE( model.report.notices, "limits that are missing are 0, as in any URDF: j0 both (line " );
 	LoadOptions options;
 	options.use_visual = true;
+	options.strict = true;
 	EXPECT_EQ( load( content, options ).report.notices.size(), 2u );
 }
 

@@ -63,7 +63,11 @@ protected:
 			}
 		}
 	}
-	RobotModel load() { return loadRobot( path( "r.urdf" ), "", options ); }
+	RobotModel load()
+	{
+		options.strict = true; // all pairs, and no notice about neighbours
+		return loadRobot( path( "r.urdf" ), "", options );
+	}
 	std::size_t cachedShapes( const RobotModel& model )
 	{
 		std::size_t count = 0;

@@ -210,8 +210,8 @@ void NeighbourFinder::findTouching()
 void allowNeighbours( RobotModel& model )
 {
 	NeighbourFinder finder( model );
-	const bool has_pairs = !model.disabled.empty();
-	if ( !has_pairs )
+	const bool is_mjcf = !model.groups.empty() || !model.disabled.empty();
+	if ( !is_mjcf )
 	{
 		finder.findJoined();
 	}

@@ -562,6 +562,24 @@ std::optional<SceneModel> withGround( const RobotModel& model, const SceneModel*
 	return with;
 }
 
+/// The state in which an MJCF places its bodies: at zero, free ones would stand in each other. Nothing for other robots.
+JointState initialState( const RobotModel& model )
+{
+	JointState initial;
+	const auto state = std::find_if( model.group_states.begin(), model.group_states.end(),
+	    [&]( const GroupState& one ) { return one.name == "qpos0" && one.group == "all" && one.defect.empty(); } );
+	for ( const JointModel& joint : model.joints )
+	{
+		const std::vector<std::string> names = variableNames( joint );
+		const bool given = state != model.group_states.end() && state->joints.count( joint.name ) != 0;
+		for ( std::size_t i = 0; given && i < names.size() && i < state->joints.at( joint.name ).size(); ++i )
+		{
+			initial.values[names[i]] = state->joints.at( joint.name )[i];
+		}
+	}
+	return initial;
+}
+
 } // namespace
 
 Robot buildRobot( const RobotModel& model )
@@ -585,6 +603,7 @@ Problem buildProblem( const RobotModel& unscaled, const ProblemOptions& options 
 	problem.reference.resize( lw_robot_variable_count( bare ) );
 	lw_robot_default_state( bare, problem.reference.data() );
 	StateWriter writer( model, bare, problem.reference );
+	writer.apply( initialState( model ), model.urdf_file, "qpos0", problem.notices );
 	const std::optional<SceneModel> grounded = withGround( model, options.scene );
 	const SceneModel* scene = grounded ? &*grounded : options.scene;
 	if ( scene != nullptr )
