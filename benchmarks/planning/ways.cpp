@@ -8,7 +8,7 @@
 #include "leeway/ompl/versions.hpp"
 #include "leeway/planners/ompl_planner.hpp"
 #include "leeway/planners/smooth.hpp"
-#include "setup/planner_registry.hpp"
+#include "leeway/planners/planner_registry.hpp"
 
 #include <ompl/base/DiscreteMotionValidator.h>
 #include <ompl/geometric/PathSimplifier.h>

@@ -3,7 +3,7 @@
 // edges: random Bezier curves, tubes around edges and curves, and paths with roundings are proved, and attacked by states of
 // them that a query without tables measures. README.md describes it.
 #include "edge_auditor.hpp"
-#include "setup/roundings.hpp"
+#include "leeway/motions/roundings.hpp"
 #include "support/bench_program.hpp"
 #include "support/edge_worlds.hpp"
 #include "support/provenance.hpp"

@@ -2,7 +2,7 @@
 // Random states of a robot, and the distances of its pairs of links in them.
 //
 // Uniform random rotations: K. Shoemake, "Uniform random rotations", Graphics Gems III, 1992.
-#include "pairs/contact_samples.hpp"
+#include "leeway/pairs/contact_samples.hpp"
 
 #include <algorithm>
 #include <atomic>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tree of links with the spheres of its nodes, and counts of pair classes.
-#include "pairs/hierarchy.hpp"
+#include "leeway/pairs/hierarchy.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Distances of pairs of links: the least of their bodies' distances.
-#include "pairs/link_distances.hpp"
+#include "leeway/pairs/link_distances.hpp"
 
 #include <limits>
 #include <utility>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Selects the pairs that the new SRDF disables, with reasons, and counts the states that it leaves free.
-#include "pairs/new_srdf.hpp"
+#include "leeway/pairs/new_srdf.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Pairs of links: class, proof, evidence, and the SRDF's word on them.
-#include "pairs/pair_table.hpp"
+#include "leeway/pairs/pair_table.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Parts of robot and scene that a checker keeps: one line for each link and obstacle.
-#include "pairs/required.hpp"
+#include "leeway/pairs/required.hpp"
 
 #include <fmt/format.h>
 

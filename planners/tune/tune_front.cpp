@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Counts to time, the Pareto front, and the choice on it. Nothing here looks at a clock.
-#include "tune/tune.hpp"
+#include "leeway/tune/tune.hpp"
 
 #include <algorithm>
 #include <tuple>

@@ -14,7 +14,7 @@
 // larger ones. Fixed steps of length h find every state with a clearance of at most min_d that they look at; in between
 // clearance falls by h / 2 at most, of two links by h (edges.md). With min_d = m + h (or h / 2) they are a proof too, with
 // that conservatism; with min_d = m none.
-#include "tune/tune.hpp"
+#include "leeway/tune/tune.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Samples of states and motions such as a planner checks, with their true clearances.
-#include "setup/audit.hpp"
-#include "tune/tune.hpp"
+#include "leeway/motions/audit.hpp"
+#include "leeway/tune/tune.hpp"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 // Bytes and texts in the form that a page can hold.
 #pragma once
 
-#include "setup/json.hpp"
+#include "motions/json.hpp"
 
 #include <cstddef>
 #include <cstdint>

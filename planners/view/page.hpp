@@ -2,7 +2,7 @@
 // The page of `leeway view`, and pictures of it.
 #pragma once
 
-#include "text/options.hpp"
+#include "program/options.hpp"
 #include "view/content.hpp"
 
 #include <optional>

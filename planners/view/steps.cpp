@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view/steps.hpp"
 
-#include "setup/audit.hpp"
+#include "leeway/motions/audit.hpp"
 
 #include <algorithm>
 #include <cmath>

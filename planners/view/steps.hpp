@@ -2,8 +2,8 @@
 // Measured states along a motion, as the page plays them.
 #pragma once
 
-#include "setup/setup.hpp"
-#include "setup/trajectory.hpp"
+#include "program/setup.hpp"
+#include "leeway/motions/trajectory.hpp"
 #include "view/engine/touching.h"
 
 #include <string>

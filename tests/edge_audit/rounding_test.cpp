@@ -3,7 +3,7 @@
 #include "audit_fixture.hpp"
 #include "one_obstacle.hpp"
 #include "random_world.hpp"
-#include "setup/roundings.hpp"
+#include "leeway/motions/roundings.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,9 +2,9 @@
 // Files of models and problems: URDF, SRDF, planning scenes, requests, margins and paddings, tables, paths.
 #include "fuzz.hpp"
 
-#include "text/csv.hpp"
-#include "text/path_file.hpp"
-#include "text/trajectory_file.hpp"
+#include "motions/csv.hpp"
+#include "leeway/motions/path_file.hpp"
+#include "leeway/motions/trajectory_file.hpp"
 
 #include <cmath>
 
