@@ -92,8 +92,8 @@ public:
 		si->getStateSpace()->enforceBounds( start.get() );
 		si->getStateSpace()->enforceBounds( goal.get() );
 		m_setup.setStartAndGoalStates( start, goal );
-		leeway::cli::ensureProjection( m_setup.getStateSpace() );
-		const ob::PlannerPtr planner = leeway::cli::findPlanner( kind.planner ).make( si );
+		leeway::planners::ensureProjection( m_setup.getStateSpace() );
+		const ob::PlannerPtr planner = leeway::planners::findPlanner( kind.planner ).make( si );
 		const double range = kind.range_by_robot ? leeway::planners::geometricRange( *m_engine ) : kind.range;
 		if ( range > 0 )
 		{
@@ -217,7 +217,7 @@ std::vector<WayKind> planningWays( const std::vector<std::string>& planners, con
 	std::vector<WayKind> ways;
 	for ( const std::string& name : planners.empty() ? std::vector<std::string>{ "leeway", "RRTConnect" } : planners )
 	{
-		const std::string planner = isOwn( name ) ? "leeway" : leeway::cli::findPlanner( name ).name;
+		const std::string planner = isOwn( name ) ? "leeway" : leeway::planners::findPlanner( name ).name;
 		for ( const std::string& range : ranges.empty() ? std::vector<std::string>{ "default" } : ranges )
 		{
 			ways.push_back( rangedWay( planner, range ) );

@@ -185,8 +185,8 @@ private:
 			path[2][i] = m_world.isRotation( i ) ? path[0][i] : path[2][i];
 		}
 		const double radius = decade( -2.5, -0.5 );
-		leeway::cli::RoundingProof proof;
-		leeway::require( leeway::cli::proveRoundings( checker(), query(), path, radius, m_def, proof ), "a path" );
+		leeway::motions::RoundingProof proof;
+		leeway::require( leeway::motions::proveRoundings( checker(), query(), path, radius, m_def, proof ), "a path" );
 		count( proof.verdict, tally );
 		if ( proof.verdict == LW_VERDICT_BLOCKED && clearance( proof.q ) > m_def.min_d + rounding )
 		{

@@ -15,11 +15,12 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <map>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 namespace
 {
@@ -47,9 +48,9 @@ struct Ball
 class MotionMeter
 {
 public:
-	explicit MotionMeter( const Workbench& bench ) : m_bench( bench )
+	explicit MotionMeter( const io::Problem& problem ) : m_problem( problem )
 	{
-		const lw_robot* robot = bench.robot();
+		const lw_robot* robot = problem.robot.get();
 		for ( std::uint32_t i = 0; i < lw_robot_body_count( robot ); ++i )
 		{
 			const lw_body_def body = lw_robot_body( robot, i );
@@ -61,8 +62,8 @@ public:
 
 	std::vector<lw_transform> poses( const std::vector<double>& full ) const
 	{
-		std::vector<lw_transform> world_from_link( lw_robot_link_count( m_bench.robot() ) );
-		require( lw_robot_fk( m_bench.robot(), full.data(), world_from_link.data() ), "forward kinematics" );
+		std::vector<lw_transform> world_from_link( lw_robot_link_count( m_problem.robot.get() ) );
+		require( lw_robot_fk( m_problem.robot.get(), full.data(), world_from_link.data() ), "forward kinematics" );
 		return world_from_link;
 	}
 
@@ -90,16 +91,21 @@ public:
 	}
 
 private:
-	const Workbench& m_bench;
+	const io::Problem& m_problem;
 	std::vector<Ball> m_balls;
 };
+
+double now()
+{
+	return std::chrono::duration<double>( std::chrono::steady_clock::now().time_since_epoch() ).count();
+}
 
 // One audit in progress.
 class Auditor
 {
 public:
-	Auditor( const Workbench& bench, const AuditSettings& settings, const std::string& file )
-	    : m_bench( bench ), m_settings( settings ), m_file( file ), m_meter( bench ), m_query( makeQuery( bench.checker() ) )
+	Auditor( const io::Problem& problem, const AuditSettings& settings, const std::string& file )
+	    : m_problem( problem ), m_settings( settings ), m_file( file ), m_meter( problem ), m_query( makeQuery( problem.checker.get() ) )
 	{
 		m_audit.environment.clearance = {
 		    ( settings.flags & LW_CHECK_ENVIRONMENT ) != 0, infinity, infinity, "", "", {}, {}, false };
@@ -113,22 +119,21 @@ public:
 		std::vector<double> lengths;
 		for ( std::size_t k = 0; k + 1 < points.size(); ++k )
 		{
-			lengths.push_back( jointDistance( m_bench, points[k], points[k + 1] ) );
+			lengths.push_back( jointDistance( m_problem, points[k], points[k + 1] ) );
 			m_audit.length += lengths.back();
 		}
 		requireBounded( points );
-		Progress progress( "auditing the path" );
 		for ( std::size_t k = 0; k < points.size(); ++k )
 		{
 			limits( points[k], k );
 		}
-		m_full = m_bench.fullState( points[0] );
+		m_full = fullState( m_problem, points[0] );
 		m_poses = m_meter.poses( m_full );
 		sample( { 0, 0, 0 }, 0 );
 		double before = 0;
 		for ( std::size_t k = 0; k < lengths.size() && !m_ended; ++k )
 		{
-			edge( k, points[k], points[k + 1], before, lengths[k], start, progress );
+			edge( k, points[k], points[k + 1], before, lengths[k], start );
 			before += lengths[k];
 		}
 		m_audit.valid = m_count == 0;
@@ -146,7 +151,7 @@ private:
 		double sum = 0;
 		for ( std::uint32_t i = 0; i < a.size(); ++i )
 		{
-			sum += std::abs( shorterWay( m_bench.robot(), i, a[i], b[i] ) );
+			sum += std::abs( shorterWay( m_problem.robot.get(), i, a[i], b[i] ) );
 		}
 		return sum;
 	}
@@ -157,7 +162,7 @@ private:
 		double sum = 0;
 		for ( std::size_t k = 0; k + 1 < points.size(); ++k )
 		{
-			sum += travel( m_bench.fullState( points[k] ), m_bench.fullState( points[k + 1] ) );
+			sum += travel( fullState( m_problem, points[k] ), fullState( m_problem, points[k + 1] ) );
 		}
 		if ( !( sum / joint_travel_per_step <= AuditSettings::most_states ) )
 		{
@@ -168,8 +173,8 @@ private:
 		}
 	}
 
-	// Says how long it will take, and ends it when its time is over.
-	void tellTime( const PathPlace& place, double start, Progress& progress )
+	// Reports progress, and ends the audit when its time is over.
+	void watchTime( const PathPlace& place, double start )
 	{
 		constexpr std::size_t states_between = 64;
 		if ( m_audit.states % states_between != 0 )
@@ -177,7 +182,7 @@ private:
 			return;
 		}
 		const double spent = now() - start;
-		progress.stage( fmt::format( "about {:.0f} s left", place.s > 0 ? spent * ( 1 - place.s ) / place.s : 0 ), place.s );
+		report( m_settings.progress, "measuring states", place.s );
 		if ( spent > m_settings.time )
 		{
 			m_ended = true;
@@ -197,7 +202,7 @@ private:
 
 	void limits( const std::vector<double>& q, std::size_t point )
 	{
-		for ( const std::string& violation : groupLimitViolations( m_bench, q, limit_tolerance ) )
+		for ( const std::string& violation : groupLimitViolations( m_problem, q, limit_tolerance ) )
 		{
 			problem( fmt::format( "point {}: {}", point, violation ) );
 		}
@@ -224,10 +229,10 @@ private:
 	// Measures the current state. `motion` is how far points moved since the last sample.
 	void sample( const PathPlace& place, double motion )
 	{
-		const std::vector<double> q = m_bench.groupState( m_full );
+		const std::vector<double> q = groupState( m_problem, m_full );
 		lw_state_result state;
 		const lw_status status =
-		    lw_checker_state( m_bench.checker(), m_query.get(), q.data(), m_settings.flags, nullptr, false, &state );
+		    lw_checker_state( m_problem.checker.get(), m_query.get(), q.data(), m_settings.flags, nullptr, false, &state );
 		if ( status != LW_OK )
 		{
 			throw io::Error( m_file, fmt::format( "edge {}", place.edge ),
@@ -238,12 +243,12 @@ private:
 		if ( m_audit.environment.clearance.asked )
 		{
 			now_.environment =
-			    take( "environment", nameEnvironment( m_bench.checker(), state.environment ), place, m_audit.environment );
+			    take( "environment", nameEnvironment( m_problem.checker.get(), state.environment ), place, m_audit.environment );
 			proved.environment = state.environment.lower;
 		}
 		if ( m_audit.self.clearance.asked )
 		{
-			now_.self = take( "self", nameSelf( m_bench.checker(), state.self ), place, m_audit.self );
+			now_.self = take( "self", nameSelf( m_problem.checker.get(), state.self ), place, m_audit.self );
 			proved.self = state.self.lower;
 		}
 		if ( !m_audit.samples.empty() )
@@ -264,10 +269,10 @@ private:
 		return std::max( m_settings.resolution, step_share * room );
 	}
 
-	void edge( std::size_t index, const std::vector<double>& qa, const std::vector<double>& qb, double before, double length, double start,
-	    Progress& progress )
+	void edge( std::size_t index, const std::vector<double>& qa, const std::vector<double>& qb, double before, double length,
+	    double start )
 	{
-		const std::vector<double> a = m_bench.fullState( qa ), b = m_bench.fullState( qb );
+		const std::vector<double> a = fullState( m_problem, qa ), b = fullState( m_problem, qb );
 		const double way = travel( a, b ), longest = way > joint_travel_per_step ? joint_travel_per_step / way : 1.0;
 		double t = 0, step = longest;
 		std::vector<double> next( a.size() );
@@ -279,7 +284,7 @@ private:
 			for ( step = std::min( step, longest );; step *= std::min( 0.9 * allowed / moved, 0.9 ) )
 			{
 				at = std::min( 1.0, t + step );
-				lw_robot_interpolate( m_bench.robot(), a.data(), b.data(), at, next.data() );
+				lw_robot_interpolate( m_problem.robot.get(), a.data(), b.data(), at, next.data() );
 				poses = m_meter.poses( next );
 				moved = m_meter.motion( m_poses, poses );
 				// The last ulps of t cannot be divided further: the step is taken, and `between` accounts for it.
@@ -293,12 +298,12 @@ private:
 			m_poses = std::move( poses );
 			const double total = m_audit.length > 0 ? m_audit.length : 1;
 			sample( { index, t, ( before + t * length ) / total }, moved );
-			tellTime( m_audit.samples.back().place, start, progress );
+			watchTime( m_audit.samples.back().place, start );
 			step *= moved > 0 ? std::clamp( 0.9 * allowedMotion() / moved, 0.1, 4.0 ) : 4.0;
 		}
 	}
 
-	const Workbench& m_bench;
+	const io::Problem& m_problem;
 	const AuditSettings& m_settings;
 	const std::string& m_file;
 	MotionMeter m_meter;
@@ -331,63 +336,34 @@ std::string leastLine( const char* which, const AuditLeast& least, double betwee
 	    place( least.place ), between );
 }
 
-Json leastJson( const AuditLeast& least, double between )
-{
-	Json json = jsonClearance( least.clearance );
-	if ( !json.is_null() )
-	{
-		json["edge"] = least.place.edge;
-		json["t"] = least.place.t;
-		json["s"] = least.place.s;
-		json["between_states"] = jsonNumber( between );
-	}
-	return json;
-}
-
 } // namespace
 
-double shorterWay( const lw_robot* robot, std::uint32_t variable, double a, double b )
-{
-	return lw_robot_variable( robot, variable ).wraps ? std::remainder( b - a, 2 * M_PI ) : b - a;
-}
-
-double jointDistance( const Workbench& bench, const std::vector<double>& a, const std::vector<double>& b )
-{
-	double sum = 0;
-	for ( std::size_t i = 0; i < a.size(); ++i )
-	{
-		const double difference = shorterWay( bench.robot(), bench.problem().variables[i], a[i], b[i] );
-		sum += difference * difference;
-	}
-	return std::sqrt( sum );
-}
-
-Audit auditPath( const Workbench& bench, const std::vector<std::vector<double>>& points, const AuditSettings& settings,
+Audit auditPath( const io::Problem& problem, const std::vector<std::vector<double>>& points, const AuditSettings& settings,
     const std::string& file )
 {
-	return Auditor( bench, settings, file ).run( points );
+	return Auditor( problem, settings, file ).run( points );
 }
 
 void auditEnds(
-    const Workbench& bench, const io::Request& request, const std::vector<std::vector<double>>& points, Audit& audit )
+    const io::Problem& problem, const io::Request& request, const std::vector<std::vector<double>>& points, Audit& audit )
 {
-	const auto add = [&audit]( const std::string& problem )
+	const auto add = [&audit]( const std::string& text )
 	{
 		audit.valid = false;
-		audit.problems.push_back( problem );
+		audit.problems.push_back( text );
 	};
 	// The robot stands at the start's numbers: from there a controller without wrap-around drives whole turns that nobody proved.
-	const std::vector<double> first = bench.fullState( points.front() );
+	const std::vector<double> first = fullState( problem, points.front() );
 	std::map<std::uint32_t, std::array<double, 3>> rotations; // by joint: products of both quaternions, which may differ in sign and length
 	for ( const auto& [name, wanted] : request.start.values )
 	{
-		const std::uint32_t variable = bench.variable( name );
+		const std::uint32_t variable = variableOf( problem.robot.get(), name );
 		if ( variable == LW_INVALID_INDEX )
 		{
 			continue;
 		}
 		const double given = first[variable];
-		const lw_variable_info info = lw_robot_variable( bench.robot(), variable );
+		const lw_variable_info info = lw_robot_variable( problem.robot.get(), variable );
 		if ( info.component >= 3 )
 		{
 			std::array<double, 3>& products = rotations[info.joint];
@@ -402,19 +378,19 @@ void auditEnds(
 	{
 		if ( !( std::fabs( products[0] ) >= ( 1 - end_tolerance ) * std::sqrt( products[1] * products[2] ) ) )
 		{
-			add( fmt::format( "the path begins with another rotation of joint {} than the request's start", lw_robot_joint_name( bench.robot(), joint ) ) );
+			add( fmt::format( "the path begins with another rotation of joint {} than the request's start", lw_robot_joint_name( problem.robot.get(), joint ) ) );
 		}
 	}
 	if ( !request.hasPoseGoal() )
 	{
-		const double difference = jointDistance( bench, io::goalState( bench.problem(), request ), points.back() );
+		const double difference = jointDistance( problem, io::goalState( problem, request ), points.back() );
 		if ( !( difference <= end_tolerance ) )
 		{
 			add( fmt::format( "the path's goal is {:.3g} (joint space) away from the request's", difference ) );
 		}
 		return;
 	}
-	for ( const std::string& violation : ik::goalViolations( bench.problem(), request, points.back().data() ) )
+	for ( const std::string& violation : ik::goalViolations( problem, request, points.back().data() ) )
 	{
 		add( fmt::format( "the path's goal is not the request's: {}", violation ) );
 	}
@@ -438,9 +414,9 @@ std::vector<AuditSample> profile( const Audit& audit, std::size_t stretches )
 	return least;
 }
 
-std::string describe( const Audit& audit, const AuditSettings& settings, const std::vector<std::vector<double>>& points )
+std::string describe( const Audit& audit, const AuditSettings& settings, std::size_t points )
 {
-	std::string text = fmt::format( "path        {}, length {:.6g}\n", counted( points.size(), "state" ), audit.length );
+	std::string text = fmt::format( "path        {}, length {:.6g}\n", counted( points, "state" ), audit.length );
 	text += fmt::format(
 	    "audit       {}: {} exact states in {:.2f} s; between two of them no robot point moves more than {:g} mm "
 	    "or a quarter of the room above min-d {:g} m\n",
@@ -463,27 +439,6 @@ std::string describe( const Audit& audit, const AuditSettings& settings, const s
 	return text;
 }
 
-Json toJson( const Audit& audit, const AuditSettings& settings )
-{
-	Json json;
-	json["valid"] = audit.valid;
-	json["problems"] = audit.problems;
-	json["min_d"] = settings.min_d;
-	json["resolution"] = settings.resolution;
-	json["states"] = audit.states;
-	json["length"] = audit.length;
-	json["seconds"] = audit.seconds;
-	json["environment"] = leastJson( audit.environment, audit.environment_between );
-	json["self"] = leastJson( audit.self, audit.self_between );
-	json["profile"] = Json::array();
-	for ( const AuditSample& part : profile( audit, 100 ) )
-	{
-		json["profile"].push_back( { { "s", part.place.s }, { "environment", jsonNumber( part.environment ) },
-		    { "self", jsonNumber( part.self ) } } );
-	}
-	return json;
-}
-
 std::string profileCsv( const Audit& audit )
 {
 	std::string text = "s,edge,t,environment,self\n";
@@ -495,4 +450,4 @@ std::string profileCsv( const Audit& audit )
 	return text;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::motions

@@ -14,7 +14,7 @@
 #include <set>
 #include <sstream>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 namespace
 {
@@ -164,4 +164,4 @@ std::string csvCell( const std::string& text )
 	return quoted + "\"";
 }
 
-} // namespace leeway::cli
+} // namespace leeway::motions

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 
 struct CsvRow
@@ -41,4 +41,4 @@ std::string trimmed( const std::string& text );
 /// Cell text, quoted if it must be.
 std::string csvCell( const std::string& text );
 
-} // namespace leeway::cli
+} // namespace leeway::motions

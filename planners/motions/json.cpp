@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 
 Json jsonNumber( double value )
@@ -39,4 +39,4 @@ Json jsonClearance( const Named& clearance )
 	return json;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::motions

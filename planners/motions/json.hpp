@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pieces of the JSON reports. JSON has no infinity: an unbounded number is null.
+// Reports as JSON: the program writes them, the Python package returns them. JSON has no infinity: an unbounded number is null.
 #pragma once
 
-#include "program/setup.hpp"
+#include "leeway/motions/states.hpp"
 
 #include <nlohmann/json.hpp>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 
 using Json = nlohmann::ordered_json;
@@ -16,4 +16,4 @@ Json jsonClearance( const Named& clearance );
 /// As a file has it. Bytes of file names that are not UTF-8 are replaced.
 std::string jsonText( const Json& json );
 
-} // namespace leeway::cli
+} // namespace leeway::motions

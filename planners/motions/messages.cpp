@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 namespace
 {
@@ -154,4 +154,4 @@ void checkFields( const std::string& file, const std::string& element, const YAM
 	}
 }
 
-} // namespace leeway::cli
+} // namespace leeway::motions

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 
 enum class Message
@@ -48,4 +48,4 @@ const char* nameOf( Message message );
 void checkFields( const std::string& file, const std::string& element, const YAML::Node& node, Message message,
     std::vector<io::Notice>& notices, const std::vector<std::string>& more = {} );
 
-} // namespace leeway::cli
+} // namespace leeway::motions

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <set>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 
 std::string groupOf( const PathFile& path, const std::string& chosen, const io::RobotModel& robot )
@@ -46,7 +46,7 @@ std::string groupOf( const TrajectoryFile& file, const std::string& chosen, cons
 	    names.empty() ? "give the SRDF with their group" : "name the group by --group: " + listed( names ) );
 }
 
-Values startValues( const PathFile& path, const io::RobotModel& robot, Notices& notices )
+Values startValues( const PathFile& path, const io::RobotModel& robot, std::vector<io::Notice>& notices )
 {
 	Values values;
 	for ( const std::pair<std::string, double>& entry : path.start_state )
@@ -64,36 +64,45 @@ Values startValues( const PathFile& path, const io::RobotModel& robot, Notices& 
 		}
 		else
 		{
-			notices.add( "unused joints",
-			    fmt::format( "{}: start_state: joint '{}': the robot cannot move it; it is ignored", path.file, name ) );
+			notices.push_back( { path.file, fmt::format( "start_state: joint '{}'", name ), "the robot cannot move it; it is ignored" } );
 		}
 	}
 	return values;
 }
 
-Values startValues( const TrajectoryFile& file, const io::RobotModel& robot, Notices& notices )
+Values startValues(
+    const std::vector<TrajectoryFile>& files, const io::RobotModel& robot, std::vector<io::Notice>& notices )
 {
-	const std::vector<std::string> known = variableNames( robot );
 	Values values;
-	for ( const auto& [name, value] : file.start_state )
+	const std::vector<std::string> known = variableNames( robot );
+	const auto is_known = [&]( const std::string& name )
+	{ return std::find( known.begin(), known.end(), name ) != known.end(); };
+	for ( const auto& [name, value] : files.front().start_state )
 	{
-		if ( std::find( known.begin(), known.end(), name ) != known.end() )
+		if ( is_known( name ) )
 		{
 			values[name] = value;
+			continue;
 		}
-		else
+		notices.push_back( { files.front().file, fmt::format( "trajectory_start: joint '{}'", name ),
+		    "the robot cannot move it; it is ignored" } );
+	}
+	for ( const TrajectoryFile& file : files )
+	{
+		for ( std::size_t i = 0; i < file.joint_names.size(); ++i )
 		{
-			notices.add(
-			    "unused joints", fmt::format( "{}: trajectory_start: joint '{}': the robot cannot move it; it is ignored",
-			                         file.file, name ) );
+			if ( is_known( file.joint_names[i] ) )
+			{
+				values.emplace( file.joint_names[i], file.points.front().positions[i] );
+			}
 		}
 	}
 	return values;
 }
 
-std::vector<std::vector<double>> groupPoints( const PathFile& path, const Workbench& bench )
+std::vector<std::vector<double>> groupPoints( const PathFile& path, const io::Problem& problem )
 {
-	const std::vector<std::string>& wanted = bench.problem().variable_names;
+	const std::vector<std::string>& wanted = problem.variable_names;
 	std::vector<std::size_t> column;
 	for ( const std::string& name : wanted )
 	{
@@ -101,7 +110,7 @@ std::vector<std::vector<double>> groupPoints( const PathFile& path, const Workbe
 		if ( found == path.joint_names.end() )
 		{
 			throw io::Error( path.file, "joint_names",
-			    fmt::format( "lacks joint '{}' of group '{}'", name, bench.problem().group ),
+			    fmt::format( "lacks joint '{}' of group '{}'", name, problem.group ),
 			    "audit with the group the path was planned for (--group)" );
 		}
 		column.push_back( static_cast<std::size_t>( found - path.joint_names.begin() ) );
@@ -111,7 +120,7 @@ std::vector<std::vector<double>> groupPoints( const PathFile& path, const Workbe
 		if ( std::find( wanted.begin(), wanted.end(), name ) == wanted.end() )
 		{
 			throw io::Error( path.file, "joint_names",
-			    fmt::format( "joint '{}' is not in group '{}'", name, bench.problem().group ),
+			    fmt::format( "joint '{}' is not in group '{}'", name, problem.group ),
 			    "audit with the group the path was planned for (--group)" );
 		}
 	}
@@ -127,4 +136,25 @@ std::vector<std::vector<double>> groupPoints( const PathFile& path, const Workbe
 	return points;
 }
 
-} // namespace leeway::cli
+Values standing( const io::RobotModel& robot, const io::Request* request, const Values& values )
+{
+	Values all;
+	// Zero where nobody says otherwise: the reader's own default is the limit nearest to zero, or the scene's robot_state.
+	for ( const io::JointModel& joint : robot.joints )
+	{
+		const bool single =
+		    joint.type == LW_JOINT_REVOLUTE || joint.type == LW_JOINT_CONTINUOUS || joint.type == LW_JOINT_PRISMATIC;
+		const bool in_request = request != nullptr && request->start.values.count( joint.name ) != 0;
+		if ( single && joint.mimic.empty() && !in_request )
+		{
+			all[joint.name] = 0;
+		}
+	}
+	for ( const auto& [name, value] : values )
+	{
+		all[name] = value;
+	}
+	return all;
+}
+
+} // namespace leeway::motions

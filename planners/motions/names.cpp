@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cctype>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 namespace
 {
@@ -103,4 +103,4 @@ UnknownVariable explainUnknown( const std::string& name, const io::RobotModel& r
 	return { false, false, "the robot has no such joint", useOneOf( name, variableNames( robot ) ) };
 }
 
-} // namespace leeway::cli
+} // namespace leeway::motions

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 
 /// Those of `known` that are a slip of the keyboard away from `name`, or contain it, nearest first, at most `limit`; case does not count.
@@ -35,4 +35,4 @@ struct UnknownVariable
 };
 UnknownVariable explainUnknown( const std::string& name, const io::RobotModel& robot );
 
-} // namespace leeway::cli
+} // namespace leeway::motions

@@ -15,7 +15,7 @@
 #include <cmath>
 #include <iterator>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 namespace
 {
@@ -204,4 +204,4 @@ PathFile readPath( const std::string& file )
 	return path;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::motions

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <deque>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 namespace
 {
@@ -315,4 +315,4 @@ lw_status proveRoundings( const lw_checker* checker, lw_query* query, const std:
 	return status;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::motions

@@ -2,52 +2,50 @@
 // A world that changes between motions: see stage.hpp.
 #include "leeway/motions/stage.hpp"
 
-#include <cmath>
-
-namespace leeway::cli
+namespace leeway::motions
 {
 
-const Workbench& Stage::use( const std::string& group )
+std::shared_ptr<const io::Problem> Stage::use( const std::string& group )
 {
-	if ( m_bench && group == m_group )
+	if ( m_world && group == m_options.group )
 	{
-		return *m_bench;
+		return m_world->problem();
 	}
 	m_world.reset();
-	m_bench = std::make_unique<Workbench>( m_input, group, m_values, m_notices );
-	m_group = group;
+	m_options.group = group;
+	m_options.overrides.values = m_values;
+	m_allowed = false;
+	try
+	{
+		m_world = std::make_unique<io::World>( m_robot, m_options );
+	}
+	catch ( const CoreError& error )
+	{
+		throw io::Error( m_robot.urdf_file, group.empty() ? "robot" : "group " + group, error.what(),
+		    "correct the named element of the description" );
+	}
 	for ( const Change& change : m_changes )
 	{
 		repeat( change );
 	}
-	if ( !m_changes.empty() )
-	{
-		m_bench->adopt( *world().problem() );
-	}
-	return *m_bench;
+	return m_world->problem();
 }
 
 void Stage::moved( const std::vector<double>& q )
 {
-	const std::vector<std::string>& names = m_bench->problem().variable_names;
+	const std::vector<std::string>& names = m_world->problem()->variable_names;
 	for ( std::size_t v = 0; v < names.size(); ++v )
 	{
 		m_values[names[v]] = q[v];
-		m_moved.insert( names[v] );
 	}
 }
 
-double Stage::at( const std::string& variable ) const
+io::World& Stage::changing()
 {
-	return m_moved.count( variable ) != 0 ? m_values.at( variable ) : NAN;
-}
-
-io::World& Stage::world()
-{
-	if ( !m_world )
+	if ( !m_allowed )
 	{
-		m_world = m_bench->makeWorld();
-		for ( const auto& [a, b] : m_input.allowed )
+		m_allowed = true;
+		for ( const auto& [a, b] : m_options.allowed )
 		{
 			const lw_scene* scene = m_world->problem()->scene.get();
 			const bool second = lw_scene_find_object( scene, b.c_str() ) != LW_INVALID_INDEX;
@@ -67,11 +65,11 @@ void Stage::repeat( const Change& change )
 	switch ( step.kind )
 	{
 	case Step::Kind::attach:
-		world().attachAt( step.object, step.link, step.touch_links, change.pose );
+		changing().attachAt( step.object, step.link, step.touch_links, change.pose );
 		break;
 	case Step::Kind::release:
-		world().detach( step.object );
-		world().move( step.object, change.pose );
+		changing().detach( step.object );
+		changing().move( step.object, change.pose );
 		break;
 	case Step::Kind::allow:
 	case Step::Kind::forbid:
@@ -85,15 +83,15 @@ void Stage::repeat( const Change& change )
 void Stage::allow( const std::string& link, const std::string& object, bool allowed )
 {
 	const auto is_object = [&]( const std::string& name )
-	{ return lw_scene_find_object( world().problem()->scene.get(), name.c_str() ) != LW_INVALID_INDEX; };
+	{ return lw_scene_find_object( changing().problem()->scene.get(), name.c_str() ) != LW_INVALID_INDEX; };
 	const bool swapped = !is_object( object ) && is_object( link );
-	world().allow( swapped ? object : link, swapped ? link : object, allowed );
+	changing().allow( swapped ? object : link, swapped ? link : object, allowed );
 }
 
 void Stage::change( const Step& step, const std::string& file )
 {
 	std::vector<double> q;
-	for ( const std::string& name : m_bench->problem().variable_names )
+	for ( const std::string& name : m_world->problem()->variable_names )
 	{
 		q.push_back( m_values.count( name ) != 0 ? m_values.at( name ) : 0 );
 	}
@@ -102,13 +100,13 @@ void Stage::change( const Step& step, const std::string& file )
 	{
 		if ( step.kind == Step::Kind::attach )
 		{
-			world().attach( step.object, step.link, step.touch_links, q );
-			change.pose = world().problem()->object_poses.at( step.object );
+			changing().attach( step.object, step.link, step.touch_links, q );
+			change.pose = changing().problem()->object_poses.at( step.object );
 		}
 		else if ( step.kind == Step::Kind::release )
 		{
-			world().detach( step.object, q );
-			change.pose = world().problem()->object_poses.at( step.object );
+			changing().detach( step.object, q );
+			change.pose = changing().problem()->object_poses.at( step.object );
 		}
 		else
 		{
@@ -120,7 +118,6 @@ void Stage::change( const Step& step, const std::string& file )
 		throw io::Error( file, step.element, error.element() + ": " + error.problem(), error.remedy() );
 	}
 	m_changes.push_back( change );
-	m_bench->adopt( *world().problem() );
 }
 
-} // namespace leeway::cli
+} // namespace leeway::motions

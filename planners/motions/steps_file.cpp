@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <filesystem>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 namespace
 {
@@ -111,4 +111,4 @@ std::vector<Step> readSteps( const std::string& file )
 	return steps;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::motions

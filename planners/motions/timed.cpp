@@ -2,16 +2,12 @@
 // Trajectories that stop at corners: see timed.hpp.
 #include "leeway/motions/timed.hpp"
 
-#include "leeway/motions/audit.hpp"
 #include "motions/json.hpp"
-#include "motions/names.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 namespace
 {
@@ -28,18 +24,16 @@ double limitOf( const std::map<std::string, double>& limits, const std::string& 
 
 } // namespace
 
-MotionLimits motionLimits( const Workbench& bench, const io::RobotModel& robot, const JointLimits& limits, Notices& notices )
+MotionLimits motionLimits( const io::Problem& problem, const io::RobotModel& robot, const JointLimits& limits )
 {
 	MotionLimits out;
-	std::vector<std::string> without;
-	for ( const std::string& name : bench.problem().variable_names )
+	for ( const std::string& name : problem.variable_names )
 	{
-		const lw_variable_info info = lw_robot_variable( bench.robot(), bench.variable( name ) );
-		if ( lw_robot_joint_type( bench.robot(), info.joint ) == LW_JOINT_FLOATING )
+		const lw_variable_info info = lw_robot_variable( problem.robot.get(), variableOf( problem.robot.get(), name ) );
+		if ( lw_robot_joint_type( problem.robot.get(), info.joint ) == LW_JOINT_FLOATING )
 		{
-			throw io::Error( "command line", "--trajectory",
-			    "joint '" + name + "' is part of a floating joint, whose turns no trajectory has",
-			    "leave --trajectory out, or choose a group without it" );
+			throw io::Error( robot.urdf_file, "joint " + name, "is part of a floating joint, whose turns no trajectory has",
+			    "choose a group without it, or ask for no trajectory" );
 		}
 		double urdf = 0;
 		for ( const io::JointModel& joint : robot.joints )
@@ -50,27 +44,21 @@ MotionLimits motionLimits( const Workbench& bench, const io::RobotModel& robot, 
 		out.acceleration.push_back( limitOf( limits.acceleration, name, default_acceleration ) );
 		if ( !( out.velocity.back() > 0 ) )
 		{
-			throw io::Error( "command line", "--trajectory", "joint '" + name + "' has no velocity limit",
-			    "give one in the URDF, or in --joint-limits" );
+			throw io::Error( robot.urdf_file, "joint " + name, "has no velocity limit",
+			    "give one here, or in a file of joint limits (--joint-limits)" );
 		}
 		if ( limits.acceleration.count( name ) == 0 )
 		{
-			without.push_back( name );
+			out.usual.push_back( name );
 		}
-	}
-	if ( !without.empty() )
-	{
-		notices.add( "accelerations",
-		    fmt::format( "no acceleration limit of {}: {:g} (rad/s^2 or m/s^2) is kept; --joint-limits sets others",
-		        listed( without ), default_acceleration ) );
 	}
 	return out;
 }
 
 std::vector<Segment> stopAtCorners(
-    const Workbench& bench, const std::vector<std::vector<double>>& points, const MotionLimits& limits )
+    const io::Problem& problem, const std::vector<std::vector<double>>& points, const MotionLimits& limits )
 {
-	const std::vector<std::string>& names = bench.problem().variable_names;
+	const std::vector<std::string>& names = problem.variable_names;
 	std::vector<Segment> segments;
 	std::vector<double> from = points.front();
 	double begin = 0;
@@ -80,7 +68,7 @@ std::vector<Segment> stopAtCorners(
 		double seconds = 0;
 		for ( std::size_t v = 0; v < names.size(); ++v )
 		{
-			const double shorter = shorterWay( bench.robot(), bench.problem().variables[v], from[v], to[v] );
+			const double shorter = shorterWay( problem.robot.get(), problem.variables[v], from[v], to[v] );
 			to[v] = shorter == to[v] - from[v] ? to[v] : from[v] + shorter;
 			seconds = std::max( { seconds, most_speed * std::abs( shorter ) / limits.velocity[v],
 			    std::sqrt( most_pull * std::abs( shorter ) / limits.acceleration[v] ) } );
@@ -111,9 +99,9 @@ std::vector<Segment> stopAtCorners(
 	return segments;
 }
 
-std::string robotTrajectory( const Workbench& bench, const std::vector<Segment>& segments )
+std::string robotTrajectory( const io::Problem& problem, const std::vector<Segment>& segments )
 {
-	const std::vector<std::string>& names = bench.problem().variable_names;
+	const std::vector<std::string>& names = problem.variable_names;
 	const std::vector<double> rest( names.size(), 0.0 );
 	const auto count = static_cast<std::ptrdiff_t>( names.size() );
 	Json points = Json::array();
@@ -136,4 +124,4 @@ std::string robotTrajectory( const Workbench& bench, const std::vector<Segment>&
 	return jsonText( out );
 }
 
-} // namespace leeway::cli
+} // namespace leeway::motions

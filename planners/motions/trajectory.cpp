@@ -3,7 +3,6 @@
 #include "leeway/motions/trajectory.hpp"
 
 #include "leeway/handles.hpp"
-#include "motions/csv.hpp"
 #include "motions/names.hpp"
 
 #include <fmt/format.h>
@@ -12,7 +11,7 @@
 #include <chrono>
 #include <cmath>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 namespace
 {
@@ -20,10 +19,10 @@ namespace
 // ---- segments --------------------------------------------------------------------------------------------------------
 
 /// Columns of the group's variables.
-std::vector<std::size_t> columnsOf( const Workbench& bench, const TrajectoryFile& file )
+std::vector<std::size_t> columnsOf( const io::Problem& problem, const TrajectoryFile& file )
 {
-	const std::vector<std::string>& wanted = bench.problem().variable_names;
-	const std::string group = bench.problem().group.empty() ? "all joints" : "group '" + bench.problem().group + "'";
+	const std::vector<std::string>& wanted = problem.variable_names;
+	const std::string group = problem.group.empty() ? "all joints" : "group '" + problem.group + "'";
 	std::vector<std::size_t> columns;
 	for ( const std::string& name : wanted )
 	{
@@ -209,19 +208,19 @@ double given( const std::map<std::string, double>& limits, const std::string& na
 	return found == limits.end() ? otherwise : found->second;
 }
 
-void checkLimits( const Workbench& bench, const io::RobotModel& robot, const std::vector<Segment>& segments,
+void checkLimits( const io::Problem& problem, const io::RobotModel& robot, const std::vector<Segment>& segments,
     const JointLimits& limits, std::vector<std::string>& problems )
 {
-	const std::vector<std::string>& names = bench.problem().variable_names;
+	const std::vector<std::string>& names = problem.variable_names;
 	for ( std::size_t v = 0; v < names.size(); ++v )
 	{
-		const lw_variable_info info = lw_robot_variable( bench.robot(), bench.variable( names[v] ) );
+		const lw_variable_info info = lw_robot_variable( problem.robot.get(), problem.variables[v] );
 		double urdf = HUGE_VAL;
 		for ( const io::JointModel& joint : robot.joints )
 		{
 			urdf = joint.name == names[v] && joint.velocity > 0 ? joint.velocity : urdf;
 		}
-		const bool shift = lw_robot_joint_type( bench.robot(), info.joint ) == LW_JOINT_PRISMATIC;
+		const bool shift = lw_robot_joint_type( problem.robot.get(), info.joint ) == LW_JOINT_PRISMATIC;
 		const double speed = given( limits.velocity, names[v], urdf );
 		const double force = given( limits.acceleration, names[v], HUGE_VAL );
 		const Limit position{ info.wraps ? -HUGE_VAL : info.lower, info.wraps ? HUGE_VAL : info.upper, "position",
@@ -260,31 +259,31 @@ std::vector<double> valueOf( const Segment& segment, std::size_t count, double t
 }
 
 /// Where a proof ended. A proof looks no closer at a contact than it has to: the clearance of the state is measured here.
-Violation violationOf( const Workbench& bench, const Segment& segment, const lw_edge_result& result, lw_check_flags flags,
-    const std::string& file )
+Violation violationOf( const io::Problem& problem, lw_query* query, const Segment& segment, const lw_edge_result& result,
+    lw_check_flags flags, const std::string& file )
 {
 	Violation out;
 	out.verdict = result.verdict;
 	out.time = segment.begin + segment.seconds * result.t;
-	out.q = valueOf( segment, bench.problem().variable_names.size(), result.t );
-	out.names = bench.problem().variable_names;
+	out.q = valueOf( segment, problem.variable_names.size(), result.t );
+	out.names = problem.variable_names;
 	out.self = result.self;
-	out.pair = result.self ? nameSelf( bench.checker(), result.pair ) : nameEnvironment( bench.checker(), result.pair );
+	out.pair = result.self ? nameSelf( problem.checker.get(), result.pair ) : nameEnvironment( problem.checker.get(), result.pair );
 	if ( result.verdict == LW_VERDICT_BLOCKED )
 	{
-		const lw_state_result state = measure( bench, out.q, flags, nullptr, file, "the state of the violation" );
+		const lw_state_result state = measure( problem.checker.get(), query, out.q, flags, nullptr, file, "the state of the violation" );
 		out.pair =
-		    result.self ? nameSelf( bench.checker(), state.self ) : nameEnvironment( bench.checker(), state.environment );
+		    result.self ? nameSelf( problem.checker.get(), state.self ) : nameEnvironment( problem.checker.get(), state.environment );
 	}
 	return out;
 }
 
 } // namespace
 
-std::vector<double> tolerances( const Workbench& bench, const std::string& file,
-    const std::map<std::string, double>& of_goal, const std::vector<std::string>& given )
+std::vector<double> tolerances( const io::Problem& problem, const std::string& file,
+    const std::map<std::string, double>& of_goal, const std::vector<Tolerance>& given )
 {
-	const std::vector<std::string>& names = bench.problem().variable_names;
+	const std::vector<std::string>& names = problem.variable_names;
 	std::vector<double> out( names.size(), 0.0 );
 	const auto set = [&]( const std::string& name, double value, const std::string& source, const std::string& element )
 	{
@@ -303,8 +302,8 @@ std::vector<double> tolerances( const Workbench& bench, const std::string& file,
 	for ( const auto& [name, value] : of_goal )
 	{
 		const bool is_given = std::any_of( given.begin(), given.end(),
-		    [&, &joint = name]( const std::string& text )
-		    { return text.find( '=' ) == std::string::npos || trimmed( text.substr( 0, text.rfind( '=' ) ) ) == joint; } );
+		    [&, &joint = name]( const Tolerance& tolerance )
+		    { return tolerance.variable.empty() || tolerance.variable == joint; } );
 		if ( value > 0 )
 		{
 			set( name, value, file, "path_tolerance of " + name );
@@ -317,19 +316,11 @@ std::vector<double> tolerances( const Workbench& bench, const std::string& file,
 			    fmt::format( "give it by --tolerance {}=RADIANS", name ) );
 		}
 	}
-	for ( const std::string& text : given )
+	for ( const Tolerance& tolerance : given )
 	{
-		const std::size_t at = text.rfind( '=' );
-		const std::optional<double> value = finiteNumber( at == std::string::npos ? text : text.substr( at + 1 ) );
-		if ( !value || !( *value >= 0 ) )
+		for ( const std::string& name : tolerance.variable.empty() ? names : std::vector<std::string>{ tolerance.variable } )
 		{
-			throw io::Error( "command line", "--tolerance " + text, "is no number of 0 or more",
-			    "give radians or metres for all joints, or JOINT=VALUE" );
-		}
-		for ( const std::string& name :
-		    at == std::string::npos ? names : std::vector<std::string>{ trimmed( text.substr( 0, at ) ) } )
-		{
-			set( name, *value, "command line", "--tolerance " + text );
+			set( name, tolerance.value, tolerance.file, tolerance.element );
 		}
 	}
 	const bool any = std::any_of( out.begin(), out.end(), []( double value ) { return value > 0; } );
@@ -337,10 +328,10 @@ std::vector<double> tolerances( const Workbench& bench, const std::string& file,
 }
 
 std::vector<Segment> segmentsOf(
-    const Workbench& bench, const TrajectoryFile& file, Interpolation interpolation, double begin )
+    const io::Problem& problem, const TrajectoryFile& file, Interpolation interpolation, double begin )
 {
 	std::vector<Segment> segments;
-	const std::vector<std::size_t> columns = columnsOf( bench, file );
+	const std::vector<std::size_t> columns = columnsOf( problem, file );
 	for ( std::size_t i = 0; i + 1 < file.points.size(); ++i )
 	{
 		segments.push_back( segmentOf( file, i, columns, degreeOf( file, i, interpolation ) ) );
@@ -356,7 +347,7 @@ std::vector<Segment> segmentsOf(
 	return segments;
 }
 
-TrajectoryAudit auditTrajectory( const Workbench& bench, const io::RobotModel& robot, const std::string& file,
+TrajectoryAudit auditTrajectory( const io::Problem& problem, const io::RobotModel& robot, const std::string& file,
     const std::vector<Segment>& segments, const TrajectorySettings& settings )
 {
 	TrajectoryAudit audit;
@@ -365,49 +356,31 @@ TrajectoryAudit auditTrajectory( const Workbench& bench, const io::RobotModel& r
 	audit.min_d = settings.edge.min_d;
 	for ( std::size_t v = 0; v < settings.tolerance.size(); ++v )
 	{
-		audit.tolerance[bench.problem().variable_names[v]] = settings.tolerance[v];
+		audit.tolerance[problem.variable_names[v]] = settings.tolerance[v];
 	}
 	lw_edge_def def = settings.edge;
 	def.tolerance = settings.tolerance.empty() ? nullptr : settings.tolerance.data();
 	double lower_bound = HUGE_VAL;
+	const Query query = makeQuery( problem.checker.get() );
 	const auto start = std::chrono::steady_clock::now();
 	for ( const Segment& segment : segments )
 	{
 		++audit.by_degree[segment.degree];
 		lw_edge_result result;
-		require( lw_checker_curve( bench.checker(), bench.query(), segment.points.data(), segment.degree, &def, &result ),
+		require( lw_checker_curve( problem.checker.get(), query.get(), segment.points.data(), segment.degree, &def, &result ),
 		    "proof of a segment" );
 		audit.states += result.queries;
 		lower_bound = std::min( lower_bound, result.lower_bound );
 		if ( result.verdict != LW_VERDICT_FREE )
 		{
-			audit.violation = violationOf( bench, segment, result, def.flags, file );
+			audit.violation = violationOf( problem, query.get(), segment, result, def.flags, file );
 			break;
 		}
 	}
 	audit.proof_seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 	audit.lower_bound = audit.violation.verdict == LW_VERDICT_FREE ? lower_bound : 0;
-	checkLimits( bench, robot, segments, settings.limits, audit.problems );
+	checkLimits( problem, robot, segments, settings.limits, audit.problems );
 	return audit;
-}
-
-void append( TrajectoryAudit& whole, const TrajectoryAudit& next )
-{
-	const bool first = whole.segments == 0, was_free = whole.violation.verdict == LW_VERDICT_FREE;
-	const bool is_free = was_free && next.violation.verdict == LW_VERDICT_FREE;
-	whole.segments += next.segments;
-	for ( std::size_t degree = 0; degree < std::size( whole.by_degree ); ++degree )
-	{
-		whole.by_degree[degree] += next.by_degree[degree];
-	}
-	whole.duration = next.duration;
-	whole.violation = was_free ? next.violation : whole.violation;
-	whole.lower_bound = !is_free ? 0 : first ? next.lower_bound : std::min( whole.lower_bound, next.lower_bound );
-	whole.problems.insert( whole.problems.end(), next.problems.begin(), next.problems.end() );
-	whole.min_d = next.min_d;
-	whole.tolerance.insert( next.tolerance.begin(), next.tolerance.end() );
-	whole.proof_seconds += next.proof_seconds;
-	whole.states += next.states;
 }
 
 std::vector<double> stateAt( const std::vector<Segment>& segments, double time )
@@ -452,37 +425,4 @@ std::string describe( const TrajectoryAudit& audit )
 	return out + ( audit.valid() ? "valid\n" : "not valid\n" );
 }
 
-Json toJson( const TrajectoryAudit& audit )
-{
-	Json json;
-	json["valid"] = audit.valid();
-	json["segments"] = {
-	    { "linear", audit.by_degree[1] }, { "cubic", audit.by_degree[3] }, { "quintic", audit.by_degree[5] } };
-	json["duration"] = audit.duration;
-	json["min_d"] = audit.min_d;
-	const Violation& v = audit.violation;
-	json["verdict"] = v.verdict == LW_VERDICT_FREE ? "FREE" : v.verdict == LW_VERDICT_BLOCKED ? "BLOCKED" : "UNDECIDED";
-	json["lower_bound"] = jsonNumber( audit.lower_bound );
-	json["proof_seconds"] = audit.proof_seconds;
-	json["states"] = audit.states;
-	for ( const auto& [name, value] : audit.tolerance )
-	{
-		json["tolerance"][name] = value;
-	}
-	if ( v.verdict != LW_VERDICT_FREE )
-	{
-		Json& out = json["violation"];
-		out["time"] = v.time;
-		out["kind"] = v.self ? "self" : "environment";
-		out["pair"] = { v.pair.first, v.pair.second };
-		out["clearance"] = jsonNumber( v.pair.least() );
-		for ( std::size_t k = 0; k < v.q.size(); ++k )
-		{
-			out["state"][v.names[k]] = v.q[k];
-		}
-	}
-	json["problems"] = audit.problems;
-	return json;
-}
-
-} // namespace leeway::cli
+} // namespace leeway::motions

@@ -13,7 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 namespace
 {
@@ -351,4 +351,4 @@ JointLimits readJointLimits( const std::string& file )
 	return limits;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::motions

@@ -13,7 +13,7 @@
 #include <cmath>
 #include <set>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 
 std::vector<YAML::Node> loadYaml( const std::string& file, std::size_t* out_bytes )
@@ -129,4 +129,4 @@ std::vector<std::pair<std::string, double>> jointState(
 	return state;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::motions

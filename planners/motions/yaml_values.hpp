@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 
 /// All documents of a file that are not empty, parted by lines "---". @param out_bytes its size @throws io::Error for text that is no YAML
@@ -32,4 +32,4 @@ inline YAML::Node child( const YAML::Node& node, const char* key )
 	return node.IsDefined() && node.IsMap() ? node[key] : YAML::Node( YAML::NodeType::Undefined );
 }
 
-} // namespace leeway::cli
+} // namespace leeway::motions

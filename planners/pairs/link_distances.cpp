@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace leeway::cli
+namespace leeway::pairs
 {
 
 LinkDistances::LinkDistances( Robot robot ) : m_robot( std::move( robot ) ), m_query( makeQuery( nullptr ) )
@@ -49,4 +49,4 @@ lw_clearance LinkDistances::measure( std::uint32_t link_a, std::uint32_t link_b,
 	return nearest;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::pairs

@@ -7,7 +7,7 @@
 #include <map>
 #include <tuple>
 
-namespace leeway::cli
+namespace leeway::pairs
 {
 namespace
 {
@@ -255,4 +255,4 @@ void PairTable::setNeverSeen( std::size_t row, std::uint64_t states )
 	m_rows[row].opinion = judge( m_rows[row], m_has_srdf );
 }
 
-} // namespace leeway::cli
+} // namespace leeway::pairs

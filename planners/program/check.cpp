@@ -49,7 +49,7 @@ int runCheck( const CheckOptions& options )
 	for ( std::size_t row = 0; row < table.rows.size(); ++row )
 	{
 		states.push_back( columns.full( row, base ) );
-		noteLimits( notices, options.states, row, limitViolations( bench, states.back() ) );
+		noteLimits( notices, options.states, row, limitViolations( bench.robot(), states.back() ) );
 	}
 
 	const lw_check_flags flags = options.common.checkFlags();

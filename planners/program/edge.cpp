@@ -86,7 +86,7 @@ std::vector<Ends> readEnds( const CsvTable& table, const Workbench& bench, const
 		}
 		for ( const std::vector<double>* end : { &edges.back().from, &edges.back().to } )
 		{
-			noteLimits( notices, table.file, row, limitViolations( bench, *end ) );
+			noteLimits( notices, table.file, row, limitViolations( bench.robot(), *end ) );
 		}
 	}
 	return edges;

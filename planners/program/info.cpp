@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway info: reports input files, built objects, and the objects that the checker keeps or drops, with reasons.
-#include "leeway/pairs/hierarchy.hpp"
-#include "motions/json.hpp"
 #include "motions/names.hpp"
-#include "leeway/pairs/required.hpp"
+#include "pairs/report.hpp"
+#include "program/setup.hpp"
 
 #include <fmt/format.h>
 
@@ -14,6 +13,9 @@
 
 namespace leeway::cli
 {
+
+using namespace pairs;
+
 namespace
 {
 
@@ -305,6 +307,15 @@ void addShapes( const Input& input, std::vector<ShapeLine>& robot_shapes, std::v
 	}
 }
 
+io::LoadedReach hullsOf( const Workbench& bench )
+{
+	io::ReachOptions options = hullsOnly();
+	Progress progress( "motion hulls" );
+	ReachProgress report( progress );
+	report.attach( options.def );
+	return findHulls( bench.problem(), options );
+}
+
 } // namespace
 
 int runInfo( const InfoOptions& options )
@@ -318,7 +329,7 @@ int runInfo( const InfoOptions& options )
 	}
 	input.max_d = options.common.max_d;
 	const Workbench bench( input, options.common.group, {}, notices );
-	const Required required = findRequired( bench, input ); // from here on everything is made
+	const Required required = findRequired( bench.problem(), input.robot, input.scene ? &*input.scene : nullptr ); // from here on everything is made
 	std::vector<ShapeLine> robot_shapes, scene_shapes;
 	addShapes( input, robot_shapes, scene_shapes );
 	const PairCounts pairs = countPairs( bench, input.robot );
@@ -328,11 +339,11 @@ int runInfo( const InfoOptions& options )
 
 	std::string text = robotText( input.robot, bench, robot_shapes );
 	text += input.scene ? sceneText( *input.scene, scene_shapes ) : "no scene\n";
-	text += checkerText( bench, pairs, info ) + requiredText( bench, required );
+	text += checkerText( bench, pairs, info ) + requiredText( bench.problem(), required );
 	text += bench.reach().reach ? pairClassText( bench.reach() )
 	        : input.reach      ? fmt::format( "no pair tables in the cache yet: check, edge, plan, audit and tune make them, {} s a run\n", input.reach->def.seconds )
 	                           : "";
-	const io::LoadedReach hulls = findHulls( bench );
+	const io::LoadedReach hulls = hullsOf( bench );
 	notices.add( "motion hulls", hulls.notices );
 	text += hulls.reach ? hierarchyText( hulls ) : "";
 	text += totalLine( "all", total( all, &input.robot.report ) );

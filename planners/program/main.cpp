@@ -181,7 +181,7 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	    ->type_name( "report.json" );
 	addViewOption( *command, options.view );
 	std::string details = std::string( plan_help.details ) + "\n\nPlanners:\n";
-	for ( const PlannerEntry& entry : planners() )
+	for ( const planners::PlannerEntry& entry : planners::registry() )
 	{
 		details += fmt::format( "  {:<22} {}\n", entry.name, entry.kind );
 	}
@@ -327,7 +327,7 @@ void validate( const CLI::App& chosen, const ViewOptions& options )
 		throw io::Error( "command line", "--out", "is missing", "give --out page.html, or --png picture.png" );
 	}
 	requirePositive( "--triangles", options.triangles );
-	validate( chosen, options.picture );
+	cli::validate( chosen, options.picture );
 }
 
 void validate( const CLI::App& chosen, const SpherizeOptions& options )

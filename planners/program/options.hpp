@@ -5,6 +5,7 @@
 #include "leeway/checker.h"
 #include "leeway/io/limits.hpp"
 #include "leeway/io/model.hpp"
+#include "view/page.hpp"
 
 #include <cstdint>
 #include <limits>
@@ -19,6 +20,9 @@ class App;
 
 namespace leeway::cli
 {
+
+using namespace motions;
+using namespace view;
 
 /// Exit statuses.
 enum Exit : int
@@ -135,15 +139,6 @@ struct AuditOptions
 	double corner_blend = 0;            ///< radians or metres; 0: roundings of a path's corners are not proved
 	double resolution = 1e-4;
 	double time = 60; ///< seconds
-};
-
-/// Of a picture of a page.
-struct PictureOptions
-{
-	std::string file;   ///< PNG
-	std::string camera; ///< AZIMUTH,ELEVATION[,DISTANCE]: degrees, degrees, metres; empty: chosen by the page
-	std::string at;     ///< place of the motion, or "least"; empty: its start
-	unsigned width = 1280, height = 800;
 };
 
 struct ViewOptions

@@ -272,6 +272,20 @@ void Progress::run()
 	}
 }
 
+std::function<void( const char* stage, double share )> shownBy( Progress& progress )
+{
+	return [&progress, start = now(), last = std::string()]( const char* stage, double share ) mutable
+	{
+		if ( last != stage )
+		{
+			last = stage;
+			start = now();
+		}
+		const double spent = now() - start;
+		progress.stage( fmt::format( "{}, about {:.0f} s left", stage, share > 0 ? spent * ( 1 - share ) / share : 0 ), share );
+	};
+}
+
 OutputFile::OutputFile( const std::string& option, std::string path ) : m_path( std::move( path ) )
 {
 	struct stat status;

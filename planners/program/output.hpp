@@ -10,6 +10,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdio>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <string>
@@ -64,6 +65,9 @@ private:
 	bool m_stop = false;
 	std::thread m_thread;
 };
+
+/// Shows the stages of a library's work by `progress`, with the seconds that they will take.
+std::function<void( const char* stage, double share )> shownBy( Progress& progress );
 
 /// Registers an input file of the run, so that no result replaces it: an input that is also an output, possibly by links, is
 /// an error that names both. Devices and streams are exempt. An empty path is ignored.

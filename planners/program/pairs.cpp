@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway pairs: the links that can ever meet, findings about an SRDF, and a new SRDF with proofs as reasons.
-#include "leeway/pairs/new_srdf.hpp"
-#include "view/page.hpp"
+#include "pairs/report.hpp"
+#include "program/page_file.hpp"
 
 #include <fmt/format.h>
 
@@ -12,6 +12,9 @@
 
 namespace leeway::cli
 {
+
+using namespace pairs;
+
 namespace
 {
 
@@ -170,65 +173,8 @@ std::string classLists( const PairTable& table, bool all )
 	return text;
 }
 
-// ---- JSON
-
-Json rowJson( const PairRow& row )
-{
-	Json json = { { "link1", row.first }, { "link2", row.second }, { "class", lw_pair_class_name( row.pair.kind ) },
-	    { "proof", row.pair.separation > 0 ? Json( lw_pair_proof_name( row.pair.proof ) ) : Json( nullptr ) },
-	    { "separation", row.pair.separation }, { "closest", jsonNumber( row.pair.closest ) },
-	    { "contact_share", row.contactShare() }, { "contact_states", row.states },
-	    { "never_seen_states", row.never_seen > 0 ? Json( row.never_seen ) : Json( nullptr ) }, { "adjacent", row.pair.adjacent },
-	    { "reason", row.disabled ? Json( row.reason ) : Json( nullptr ) } };
-	json["opinion"] = row.opinion == Opinion::NOTHING ? Json( nullptr ) : Json( opinionName( row.opinion ) );
-	return json;
-}
-
-Json findingJson( const PairTable& table, const PairRow& row )
-{
-	Json json = { { "link1", row.first }, { "link2", row.second }, { "reason", row.reason },
-	    { "adjacent", row.pair.adjacent }, { "always", row.always }, { "contact_share", row.contactShare() } };
-	json["joints"] = Json::object();
-	for ( const auto& [name, value] : table.evidence( row ) )
-	{
-		json["joints"][name] = value;
-	}
-	json["state"] = table.evidenceState( row );
-	return json;
-}
-
-Json toJson( const PairTable& table, const io::RobotModel& model, const lw_robot* robot )
-{
-	Json json;
-	json["robot"] = model.name;
-	json["urdf"] = model.urdf_file;
-	json["srdf"] = model.srdf_file.empty() ? Json( nullptr ) : Json( model.srdf_file );
-	for ( const lw_pair_class kind : classes )
-	{
-		json["classes"][lw_pair_class_name( kind )] = table.count( kind );
-	}
-	json["variables"] = Json::array();
-	for ( std::uint32_t i = 0; i < lw_robot_variable_count( robot ); ++i )
-	{
-		json["variables"].push_back( io::variableName( robot, i ) );
-	}
-	json["findings"] = Json::array();
-	json["pairs"] = Json::array();
-	for ( const PairRow& row : table.rows() )
-	{
-		const bool touched = row.opinion == Opinion::FINDING || row.opinion == Opinion::ADJACENT_CONTACT ||
-		                     row.opinion == Opinion::ALWAYS || row.opinion == Opinion::BY_DESIGN;
-		if ( touched )
-		{
-			json["findings"].push_back( findingJson( table, row ) );
-		}
-		json["pairs"].push_back( rowJson( row ) );
-	}
-	return json;
-}
-
 /// States in contact, findings first, with their pairs marked: the SRDF allows some of them.
-PageInput contactPage( const Input& input, const Workbench& bench, const PairTable& table )
+PageInput contactPage( const Input& input, const io::Problem& problem, const PairTable& table )
 {
 	constexpr std::size_t most_states = 100;
 	std::vector<std::vector<double>> states;
@@ -245,7 +191,7 @@ PageInput contactPage( const Input& input, const Workbench& bench, const PairTab
 			{
 				continue;
 			}
-			states.push_back( bench.groupState( table.evidenceState( row ) ) );
+			states.push_back( groupState( problem, table.evidenceState( row ) ) );
 			labels.push_back(
 			    fmt::format( "{} in contact{}", pairText( row ), findings ? ": the SRDF disables this pair" : "" ) );
 			marked.push_back( { true, row.link_a, row.link_b } );
@@ -253,10 +199,10 @@ PageInput contactPage( const Input& input, const Workbench& bench, const PairTab
 	}
 	if ( states.empty() )
 	{
-		states.push_back( io::startState( bench.problem() ) );
+		states.push_back( io::startState( problem ) );
 	}
-	PageInput page = {
-	    input, bench, motionOfStates( bench, states, labels, LW_CHECK_SELF, input.robot_file ), LW_CHECK_SELF };
+	PageInput page =
+	    pageOf( input, problem, motionOfStates( problem, states, labels, LW_CHECK_SELF, input.robot_file ), LW_CHECK_SELF );
 	for ( std::size_t i = 0; i < marked.size(); ++i )
 	{
 		page.motion.steps[i].marked = { marked[i] };
@@ -266,19 +212,26 @@ PageInput contactPage( const Input& input, const Workbench& bench, const PairTab
 	return page;
 }
 
-io::LoadedReach findReach( const PairsOptions& options, const Robot& robot, Notices& notices )
+Settings settingsOf( const PairsOptions& options )
 {
-	io::ReachOptions reach;
-	reach.cache = options.common.cache;
-	reach.def.seconds = options.budget;
-	reach.def.samples = options.samples;
-	reach.def.seed = options.seed;
+	Settings settings;
+	settings.reach.cache = options.common.cache;
+	settings.reach.def.seconds = options.budget;
+	settings.samples = { options.samples, options.seed, options.never_after, {} };
+	settings.new_srdf = !options.out.empty();
+	return settings;
+}
+
+Analysis analysed( const PairsOptions& options, const io::RobotModel& robot, Notices& notices )
+{
+	Settings settings = settingsOf( options );
 	Progress progress( "motion hulls and pair tables" );
 	ReachProgress report( progress );
-	report.attach( reach.def );
-	io::LoadedReach loaded = io::loadReach( robot, reach );
-	notices.add( "the cache", loaded.notices );
-	return loaded;
+	report.attach( settings.reach.def );
+	settings.samples.progress = shownBy( progress );
+	Analysis analysis( robot, settings );
+	notices.add( "the cache", analysis.reach.notices );
+	return analysis;
 }
 
 } // namespace
@@ -289,13 +242,10 @@ int runPairs( const PairsOptions& options )
 	OutputFile out( "--out", options.out ), json_file( "--json", options.json );
 	ViewFile view( options.view );
 	const Input input = loadInput( options.common, notices );
-	const Robot robot = io::buildRobot( input.robot );
-	const io::LoadedReach reach = findReach( options, robot, notices );
-	requireReach( reach, options.common.robot );
-	PairTable table( input.robot, robot, reach.reach );
-	const ContactSamples samples( robot, table, { options.samples, options.seed, options.never_after } );
-	const bool writes = !options.out.empty();
-	const NewSrdf srdf = writes ? newSrdf( table, input.robot ) : NewSrdf();
+	Analysis analysis = analysed( options, input.robot, notices );
+	PairTable& table = analysis.table;
+	const io::LoadedReach& reach = analysis.reach;
+	const NewSrdf* srdf = analysis.newSrdf();
 
 	std::string text = fmt::format( "robot {} ({}): {} links with geometry, {} pairs; tables {} in {:.2f} s\n",
 	    input.robot.name, input.robot.urdf_file, table.linksWithGeometry(), table.rows().size(),
@@ -319,39 +269,24 @@ int runPairs( const PairsOptions& options )
 		    table, Opinion::ADJACENT_CONTACT, "disabled neighbours for which a state in contact was found (usually meant)" );
 	}
 	text += classLists( table, options.common.verbose );
-	text += describeNear( table, samples, writes ? &srdf : nullptr );
-	Json json;
+	text += describeNear( table, analysis.samples, srdf );
 	std::vector<OutputFile*> files;
-	if ( !options.json.empty() )
+	if ( srdf != nullptr )
 	{
-		json = toJson( table, input.robot, robot.get() );
-		json["budget"] = options.budget;
-		json["seconds_spent"] = reach.info.seconds;
-		json["complete"] = reach.info.complete;
-		json["samples"] = options.samples;
-		json["seed"] = options.seed;
-		json["cached"] = reach.cached;
-		json["seconds"] = reach.milliseconds / 1000;
-		addUse( json, table, samples, input.robot, writes ? &srdf : nullptr );
-	}
-	if ( writes )
-	{
-		text += describe( srdf, options.out, options.common.verbose );
-		out.text = srdf.document.text;
+		text += describe( *srdf, options.out, options.common.verbose );
+		out.text = srdf->document.text;
 		files.push_back( &out );
-		json["written"] = srdf.document.written.size();
-		json["kept"] = srdf.document.kept.size();
 	}
-	text += describeUse( table, samples, input.robot, writes ? &srdf : nullptr );
+	text += describeUse( table, analysis.samples, input.robot, srdf );
 	if ( !options.json.empty() )
 	{
-		json_file.text = jsonText( json );
+		json_file.text = jsonText( toJson( analysis, input.robot, settingsOf( options ) ) );
 		files.push_back( &json_file );
 	}
 	if ( view.isWanted() )
 	{
 		const Workbench bench( input, "", {}, notices );
-		view.write( contactPage( input, bench, table ), files );
+		view.write( contactPage( input, bench.problem(), table ), files );
 	}
 	commitTogether( files );
 	printOut( text );

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway plan: a request solved, simplified, certified again, and audited.
 #include "program/plan_solution.hpp"
-#include "leeway/motions/audit.hpp"
-#include "program/ends.hpp"
-#include "leeway/motions/timed.hpp"
-#include "leeway/planners/planner_registry.hpp"
 #include "motions/names.hpp"
+#include "program/ends.hpp"
 
+#include "leeway/motions/timed.hpp"
 #include "leeway/ompl/versions.hpp"
 #include "leeway/planners/ompl_planner.hpp"
+#include "leeway/planners/planner_registry.hpp"
 #include "leeway/planners/smooth.hpp"
 #include "leeway/planners/unwrap.hpp"
 
@@ -69,7 +68,7 @@ void requireUsable(
 {
 	const auto wrong = [&end]( const std::string& problem, const std::string& remedy )
 	{ throw io::Error( end.file, end.element, problem, remedy ); };
-	const std::vector<std::string> violations = groupLimitViolations( bench, q, limit_tolerance );
+	const std::vector<std::string> violations = groupLimitViolations( bench.problem(), q, limit_tolerance );
 	if ( !violations.empty() )
 	{
 		std::string all;
@@ -357,7 +356,7 @@ public:
 		m_engine = ::leeway::ompl::install( m_si, bench.problem().checker, judge );
 		m_range = suitableRange( *m_engine );
 		m_si->setup();
-		ensureProjection( m_space ); // after setup(), which registers the space's own
+		planners::ensureProjection( m_space ); // after setup(), which registers the space's own
 	}
 
 	Solution solve( double time )
@@ -372,11 +371,11 @@ public:
 		}
 		definition->setGoal( goals );
 		const std::vector<std::string> names = plannersOf( m_options, m_range > 0 );
-		requireThreads( findPlanner( names.front() ), m_options.threads );
+		planners::requireThreads( planners::findPlanner( names.front() ), m_options.threads );
 		solution.tried = names;
 		for ( std::size_t i = 0; i < names.size() && !solution.solved; ++i )
 		{
-			run( findPlanner( names[i] ), time / static_cast<double>( names.size() ), definition, solution );
+			run( planners::findPlanner( names[i] ), time / static_cast<double>( names.size() ), definition, solution );
 		}
 		if ( solution.solved )
 		{
@@ -394,7 +393,7 @@ public:
 	}
 
 private:
-	void run( const PlannerEntry& entry, double time, const ob::ProblemDefinitionPtr& definition, Solution& solution )
+	void run( const planners::PlannerEntry& entry, double time, const ob::ProblemDefinitionPtr& definition, Solution& solution )
 	{
 		solution.planner = entry.name;
 		definition->clearSolutionPaths(); // an approximate one of the planner before
@@ -408,7 +407,7 @@ private:
 		}
 		solution.threads = 1;
 		setRange( *planner, m_range, m_options.parameters );
-		setParameters( *planner, m_options.parameters );
+		planners::setParameters( *planner, m_options.parameters );
 		if ( entry.threads != nullptr )
 		{
 			if ( m_options.threads > 0 )
@@ -602,7 +601,7 @@ Solution solve( const PlanOptions& options, const Input& input, const Workbench&
 	const io::Request& request = *input.request;
 	const std::vector<double> start = io::startState( bench.problem() );
 	requireUsable( options, bench, ends.start, start );
-	noteEnd( ends.start, limitViolations( bench, bench.fullState( start ) ), notices );
+	noteEnd( ends.start, limitViolations( bench.robot(), bench.fullState( start ) ), notices );
 	ik::GoalStates goals;
 	const double begin = now();
 	if ( request.hasPoseGoal() )
@@ -613,7 +612,7 @@ Solution solve( const PlanOptions& options, const Input& input, const Workbench&
 	{
 		goals.states = { io::goalState( bench.problem(), request ) };
 		requireUsable( options, bench, ends.goal, goals.states.front() );
-		noteEnd( ends.goal, groupLimitViolations( bench, goals.states.front() ), notices );
+		noteEnd( ends.goal, groupLimitViolations( bench.problem(), goals.states.front() ), notices );
 	}
 	const double ik_seconds = now() - begin;
 	const OmplMessages messages( notices, options.common.verbose );
@@ -646,13 +645,24 @@ TrajectorySettings trajectorySettings( const PlanOptions& options, const JointLi
 	return settings;
 }
 
+/// Says which joints keep an acceleration that nobody has given.
+void noteUsual( const MotionLimits& limits, Notices& notices )
+{
+	if ( !limits.usual.empty() )
+	{
+		notices.add( "accelerations",
+		    fmt::format( "no acceleration limit of {}: {:g} (rad/s^2 or m/s^2) is kept; --joint-limits sets others",
+		        listed( limits.usual ), default_acceleration ) );
+	}
+}
+
 /// The trajectory that stops at the path's corners, proved as it is driven.
 TrajectoryAudit writeTrajectory( const Input& input, const Workbench& bench, const Solution& solution,
     const MotionLimits& motion, const TrajectorySettings& settings, OutputFile& file )
 {
-	const std::vector<Segment> segments = stopAtCorners( bench, solution.points, motion );
-	file.text = robotTrajectory( bench, segments );
-	return auditTrajectory( bench, input.robot, "the path", segments, settings );
+	const std::vector<Segment> segments = stopAtCorners( bench.problem(), solution.points, motion );
+	file.text = robotTrajectory( bench.problem(), segments );
+	return auditTrajectory( bench.problem(), input.robot, "the path", segments, settings );
 }
 
 void tellWhatIsNotWritten( const Audit& audit, bool good, bool is_driven_free )
@@ -711,7 +721,7 @@ AuditSettings auditSettings( const PlanOptions& options )
 int runPlan( const PlanOptions& options )
 {
 	Notices notices( options.common.verbose );
-	requireThreads( findPlanner( plannersOf( options ).front() ), options.threads );
+	planners::requireThreads( planners::findPlanner( plannersOf( options ).front() ), options.threads );
 	JointLimits limits;
 	if ( !options.joint_limits.empty() )
 	{
@@ -727,14 +737,15 @@ int runPlan( const PlanOptions& options )
 	const PlanEnds ends = readEnds( options, input );
 	Workbench bench( input, ends.group, {}, notices );
 	const bool wants_trajectory = !options.trajectory.empty();
-	const MotionLimits motion = wants_trajectory ? motionLimits( bench, input.robot, limits, notices ) : MotionLimits();
+	const MotionLimits motion = wants_trajectory ? motionLimits( bench.problem(), input.robot, limits ) : MotionLimits();
+	noteUsual( motion, notices );
 	Solution solution = solve( options, input, bench, ends, notices );
 	const AuditSettings settings = auditSettings( options );
 	Audit audit;
 	if ( solution.solved )
 	{
-		audit = auditPath( bench, solution.points, settings, input.request->file );
-		auditEnds( bench, *input.request, solution.points, audit );
+		audit = audited( bench, solution.points, settings, input.request->file );
+		auditEnds( bench.problem(), *input.request, solution.points, audit );
 		solution.seconds.audit = audit.seconds;
 	}
 	const bool good = solution.solved && audit.valid && solution.edges.all();
@@ -775,7 +786,7 @@ int runPlan( const PlanOptions& options )
 	else
 	{
 		// The path itself goes to standard output if no file was named; the summary must not mix with it.
-		const std::string text = summary( options, solution ) + describe( audit, settings, solution.points ) + driven;
+		const std::string text = summary( options, solution ) + describe( audit, settings, solution.points.size() ) + driven;
 		out.path().empty() ? tell( "{}", text ) : printOut( text );
 		tellWhatIsNotWritten( audit, good, is_driven_free );
 	}

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The result of leeway plan, as a path file, as a report and in words.
 #include "program/plan_solution.hpp"
-#include "program/stuck_report.hpp"
 #include "motions/names.hpp"
+#include "program/stuck_report.hpp"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@ double lengthOf( const Workbench& bench, const Points& points )
 	double length = 0;
 	for ( std::size_t k = 0; k + 1 < points.size(); ++k )
 	{
-		length += jointDistance( bench, points[k], points[k + 1] );
+		length += jointDistance( bench.problem(), points[k], points[k + 1] );
 	}
 	return length;
 }
@@ -113,10 +113,12 @@ PageInput planPage(
 {
 	const lw_check_flags flags = options.common.checkFlags();
 	const std::string& file = input.request->file;
-	PageInput page = { input, bench,
-	    solution.solved ? motionOfPath( bench, solution.points, flags, file )
-	                    : motionOfStates( bench, { io::startState( bench.problem() ) }, {}, flags, file ),
-	    flags };
+	const io::Problem& problem = bench.problem();
+	Progress progress( "measuring the motion" );
+	ViewMotion motion = solution.solved
+	                        ? motionOfPath( problem, solution.points, flags, file, shownBy( progress ) )
+	                        : motionOfStates( problem, { io::startState( problem ) }, {}, flags, file );
+	PageInput page = pageOf( input, problem, std::move( motion ), flags );
 	page.min_d = options.common.min_d;
 	page.source = options.out;
 	page.notes = audit.problems;

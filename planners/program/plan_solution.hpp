@@ -2,11 +2,9 @@
 // The result of leeway plan, as a path file, as a report and in words.
 #pragma once
 
-#include "leeway/motions/audit.hpp"
-#include "motions/json.hpp"
-#include "program/options.hpp"
 #include "leeway/motions/path_file.hpp"
-#include "view/page.hpp"
+#include "motions/report.hpp"
+#include "program/page_file.hpp"
 
 #include "leeway/ik/goal_states.hpp"
 #include "leeway/ompl/validity.hpp"

@@ -2,6 +2,7 @@
 // Loading, the reference state, and checkers that follow joints outside of the group.
 #include "program/setup.hpp"
 
+#include "motions/csv.hpp"
 #include "motions/names.hpp"
 
 #include <fmt/format.h>
@@ -223,63 +224,35 @@ bool ReachProgress::report( void* self, const char* stage, double share )
 	return true;
 }
 
-void requireReach( const io::LoadedReach& loaded, const std::string& robot_file )
+Workbench::Workbench( const Input& input, std::string group, const Values& values, Notices& notices )
+    : m_input( input ), m_group( std::move( group ) ), m_notices( notices ),
+      m_values( standing( input.robot, input.request ? &*input.request : nullptr, values ) )
 {
-	if ( !loaded.reach )
-	{
-		throw io::Error( robot_file, "motion hulls", "this build of leeway cannot make them", "build it with qhull" );
-	}
+	build( m_values );
 }
 
-Workbench::Workbench( const Input& input, std::string group, const Values& values, Notices& notices )
-    : m_input( input ), m_group( std::move( group ) ), m_notices( notices )
+io::ProblemOptions problemOptions( const Input& input, const std::string& group, const Values& values )
 {
-	// Zero where nobody says otherwise: the reader's own default is the limit nearest to zero, or the scene's robot_state.
-	for ( const io::JointModel& joint : input.robot.joints )
-	{
-		const bool single =
-		    joint.type == LW_JOINT_REVOLUTE || joint.type == LW_JOINT_CONTINUOUS || joint.type == LW_JOINT_PRISMATIC;
-		const bool in_request = input.request && input.request->start.values.count( joint.name ) != 0;
-		if ( single && joint.mimic.empty() && !in_request )
-		{
-			m_values[joint.name] = 0;
-		}
-	}
-	for ( const auto& [name, value] : values )
-	{
-		m_values[name] = value;
-	}
-	build( m_values );
+	io::ProblemOptions options;
+	options.group = group;
+	options.scene = input.scene ? &*input.scene : nullptr;
+	options.request = input.request ? &*input.request : nullptr;
+	options.overrides.values = values;
+	options.find_reach = input.reach;
+	options.margins = input.margins;
+	options.padding = input.padding;
+	options.allowed = input.allowed;
+	options.min_d = input.min_d;
+	options.max_d = input.max_d;
+	return options;
 }
 
 io::ProblemOptions Workbench::options( const Values& values ) const
 {
-	io::ProblemOptions options;
-	options.group = m_group;
-	options.scene = m_input.scene ? &*m_input.scene : nullptr;
-	options.request = m_input.request ? &*m_input.request : nullptr;
-	options.overrides.values = values;
+	io::ProblemOptions options = problemOptions( m_input, m_group, values );
 	options.reach = m_reach.reach;
-	options.find_reach = m_input.reach;
-	options.margins = m_input.margins;
-	options.padding = m_input.padding;
-	options.allowed = m_input.allowed;
-	options.min_d = m_input.min_d;
-	options.max_d = m_input.max_d;
 	options.notice_enclosed = !m_built;
 	return options;
-}
-
-std::unique_ptr<io::World> Workbench::makeWorld() const
-{
-	return std::make_unique<io::World>( m_input.robot, options( m_values ) );
-}
-
-void Workbench::adopt( const io::Problem& problem )
-{
-	m_query.reset();
-	m_problem = problem;
-	m_query = makeQuery( m_problem.checker.get() );
 }
 
 void Workbench::build( const Values& values )
@@ -354,143 +327,35 @@ bool Workbench::use( const std::vector<double>& full )
 	return true;
 }
 
-std::vector<double> Workbench::groupState( const std::vector<double>& full ) const
-{
-	std::vector<double> q;
-	for ( std::uint32_t i : m_problem.variables )
-	{
-		q.push_back( full[i] );
-	}
-	return q;
-}
-
-std::vector<double> Workbench::fullState( const std::vector<double>& q ) const
-{
-	std::vector<double> full = m_problem.reference;
-	for ( std::size_t i = 0; i < q.size(); ++i )
-	{
-		full[m_problem.variables[i]] = q[i];
-	}
-	return full;
-}
-
-std::uint32_t Workbench::variable( const std::string& name ) const
-{
-	for ( std::uint32_t i = 0; i < m_names.size(); ++i )
-	{
-		if ( m_names[i] == name )
-		{
-			return i;
-		}
-	}
-	return LW_INVALID_INDEX;
-}
-
-namespace
-{
-
-void addViolation(
-    const Workbench& bench, std::uint32_t variable, double value, double tolerance, std::vector<std::string>& lines )
-{
-	const lw_variable_info info = lw_robot_variable( bench.robot(), variable );
-	if ( !info.wraps && !( value >= info.lower - tolerance && value <= info.upper + tolerance ) )
-	{
-		const bool below = value < info.lower;
-		lines.push_back( fmt::format( "joint {}: {} is {} its limit {}", bench.variableNames()[variable], value,
-		    below ? "below" : "above", below ? info.lower : info.upper ) );
-	}
-}
-
-} // namespace
-
-std::vector<std::string> limitViolations( const Workbench& bench, const std::vector<double>& full, double tolerance )
-{
-	std::vector<std::string> lines;
-	for ( std::uint32_t i = 0; i < full.size(); ++i )
-	{
-		addViolation( bench, i, full[i], tolerance, lines );
-	}
-	return lines;
-}
-
-std::vector<std::string> groupLimitViolations( const Workbench& bench, const std::vector<double>& q, double tolerance )
-{
-	std::vector<std::string> lines;
-	for ( std::size_t i = 0; i < q.size(); ++i )
-	{
-		addViolation( bench, bench.problem().variables[i], q[i], tolerance, lines );
-	}
-	return lines;
-}
-
-namespace
-{
-
-Named named( const lw_clearance& clearance, bool asked )
-{
-	Named result;
-	result.asked = asked;
-	result.lower = clearance.lower;
-	result.upper = clearance.upper;
-	result.has_points = std::isfinite( clearance.upper );
-	result.point_a = clearance.point_a;
-	result.point_b = clearance.point_b;
-	return result;
-}
-
-std::string text( const char* name )
-{
-	return name == nullptr ? "" : name;
-}
-
-} // namespace
-
-std::string Named::marginText() const
-{
-	return margin > 0 ? fmt::format( ", margin {} m", margin ) : "";
-}
-
-bool hasMargins( const lw_checker* checker )
-{
-	const lw_checker_info info = lw_checker_get_info( checker );
-	return info.environment_margin > 0 || info.self_margin > 0;
-}
-
-Named nameEnvironment( const lw_checker* checker, const lw_clearance& clearance, bool asked )
-{
-	Named result = named( clearance, asked );
-	if ( clearance.a != LW_INVALID_INDEX && clearance.b != LW_INVALID_INDEX && lw_checker_scene( checker ) != nullptr )
-	{
-		result.first = text( lw_robot_link_name( lw_checker_robot( checker ), clearance.a ) );
-		result.second = text( lw_scene_object_name( lw_checker_scene( checker ), clearance.b ) );
-		result.margin = lw_checker_environment_margin( checker, clearance.a, clearance.b );
-	}
-	return result;
-}
-
-Named nameSelf( const lw_checker* checker, const lw_clearance& clearance, bool asked )
-{
-	Named result = named( clearance, asked );
-	if ( clearance.a != LW_INVALID_INDEX && clearance.b != LW_INVALID_INDEX )
-	{
-		result.first = text( lw_robot_link_name( lw_checker_robot( checker ), clearance.a ) );
-		result.second = text( lw_robot_link_name( lw_checker_robot( checker ), clearance.b ) );
-		result.margin = lw_checker_self_margin( checker, clearance.a, clearance.b );
-	}
-	return result;
-}
-
 lw_state_result measure( const Workbench& bench, const std::vector<double>& q, lw_check_flags flags, const lw_range* range,
     const std::string& file, const std::string& element )
 {
-	lw_state_result result;
-	const lw_status status = lw_checker_state( bench.checker(), bench.query(), q.data(), flags, range, false, &result );
-	if ( status != LW_OK )
+	return motions::measure( bench.checker(), bench.query(), q, flags, range, file, element );
+}
+
+Audit audited( const Workbench& bench, const std::vector<std::vector<double>>& points, AuditSettings settings, const std::string& file )
+{
+	Progress progress( "auditing the path" );
+	settings.progress = shownBy( progress );
+	return auditPath( bench.problem(), points, settings, file );
+}
+
+std::vector<Tolerance> givenTolerances( const std::vector<std::string>& options )
+{
+	std::vector<Tolerance> tolerances;
+	for ( const std::string& text : options )
 	{
-		throw io::Error( file, element, std::string( "the state cannot be used (" ) + lw_status_name( status ) + ")",
-		    "give finite joint values and quaternions that are not zero" );
+		const std::size_t at = text.rfind( '=' );
+		const std::optional<double> value = finiteNumber( at == std::string::npos ? text : text.substr( at + 1 ) );
+		if ( !value || !( *value >= 0 ) )
+		{
+			throw io::Error( "command line", "--tolerance " + text, "is no number of 0 or more",
+			    "give radians or metres for all joints, or JOINT=VALUE" );
+		}
+		tolerances.push_back(
+		    { at == std::string::npos ? "" : trimmed( text.substr( 0, at ) ), *value, "command line", "--tolerance " + text } );
 	}
-	return result;
+	return tolerances;
 }
 
 } // namespace leeway::cli

@@ -3,7 +3,9 @@
 #pragma once
 
 #include "leeway/io/model.hpp"
-#include "leeway/io/world.hpp"
+#include "leeway/motions/audit.hpp"
+#include "leeway/motions/motion_files.hpp"
+#include "leeway/motions/trajectory.hpp"
 #include "program/options.hpp"
 #include "program/output.hpp"
 
@@ -56,12 +58,8 @@ private:
 	Progress& m_progress;
 };
 
-/// Required inputs of a subcommand.
-/// @throws io::Error if `loaded` is empty
-void requireReach( const io::LoadedReach& loaded, const std::string& robot_file );
-
-/// Values by variable name.
-using Values = std::map<std::string, double>;
+/// Options of a problem of these files. @param values by variable name
+io::ProblemOptions problemOptions( const Input& input, const std::string& group, const Values& values );
 
 /// A checker for one group, rebuilt only when a joint outside of the group moves.
 ///
@@ -89,19 +87,14 @@ public:
 	/// @return true if it had to be rebuilt
 	bool use( const std::vector<double>& full );
 
-	/// A world that changes, of the same group and files. Its reference are the values of this bench.
-	std::unique_ptr<io::World> makeWorld() const;
-	/// Questions are about another snapshot of the same group from now on.
-	void adopt( const io::Problem& problem );
-
 	/// The group's part of a full state.
-	std::vector<double> groupState( const std::vector<double>& full ) const;
+	std::vector<double> groupState( const std::vector<double>& full ) const { return motions::groupState( m_problem, full ); }
 	/// The full state of a group state.
-	std::vector<double> fullState( const std::vector<double>& q ) const;
+	std::vector<double> fullState( const std::vector<double>& q ) const { return motions::fullState( m_problem, q ); }
 	/// Name of every robot variable.
 	const std::vector<std::string>& variableNames() const { return m_names; }
 	/// Index of a robot variable, or LW_INVALID_INDEX.
-	std::uint32_t variable( const std::string& name ) const;
+	std::uint32_t variable( const std::string& name ) const { return variableOf( robot(), name ); }
 	/// True if the robot variable is in the group.
 	bool inGroup( std::uint32_t variable ) const { return m_in_group[variable]; }
 
@@ -121,38 +114,14 @@ private:
 	bool m_built = false;
 };
 
-/// Descriptions print limits with few digits (3.14159) and requests reach them with many: this much beyond a limit, radians
-/// or metres, is told but does not make a state unusable.
-constexpr double limit_tolerance = 1e-5;
-
-/// One line per variable of a full state that is outside its limits: "joint elbow: 2.9 is above its limit 2.6".
-std::vector<std::string> limitViolations( const Workbench& bench, const std::vector<double>& full, double tolerance = 0 );
-/// The same for the variables of a group state.
-std::vector<std::string> groupLimitViolations( const Workbench& bench, const std::vector<double>& q, double tolerance = 0 );
-
-/// A clearance with the names of its pair; names are empty where there is no witness.
-struct Named
-{
-	bool asked = true;
-	double lower = 0, upper = 0;
-	std::string first, second;
-	lw_vec3 point_a{}, point_b{};
-	bool has_points = false;
-	double margin = 0; ///< of this pair: its distance minus its clearance
-
-	/// For reports: the smallest known clearance. Inside a margin the search ends at the first pair found.
-	double least() const { return has_points && upper <= 0 ? upper : lower; }
-	/// ", margin 0.02 m", or nothing without one.
-	std::string marginText() const;
-};
-/// True if some pair of the checker has a margin.
-bool hasMargins( const lw_checker* checker );
-Named nameEnvironment( const lw_checker* checker, const lw_clearance& clearance, bool asked = true );
-Named nameSelf( const lw_checker* checker, const lw_clearance& clearance, bool asked = true );
-
-/// Measures one state exactly.
-/// @throws io::Error naming `element` if the state has no meaning (a zero quaternion)
+/// Measures one state by the bench's query. @param range null: exactly @throws io::Error naming `file` and `element`
 lw_state_result measure( const Workbench& bench, const std::vector<double>& q, lw_check_flags flags, const lw_range* range,
     const std::string& file, const std::string& element );
+
+/// auditPath() with its progress shown.
+Audit audited( const Workbench& bench, const std::vector<std::vector<double>>& points, AuditSettings settings, const std::string& file );
+
+/// Options --tolerance: E for all joints, or JOINT=E. @throws io::Error
+std::vector<Tolerance> givenTolerances( const std::vector<std::string>& options );
 
 } // namespace leeway::cli

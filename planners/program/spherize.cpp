@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway spherize: enclosing spheres of the links, for programs that know only spheres.
 #include "motions/json.hpp"
-#include "view/page.hpp"
+#include "program/page_file.hpp"
 
 #include "leeway/io/spheres.hpp"
 
@@ -181,8 +181,8 @@ int runSpherize( const SpherizeOptions& options )
 	if ( view.isWanted() )
 	{
 		const Workbench bench( input, "", {}, notices );
-		PageInput page = { input, bench,
-		    motionOfStates( bench, { io::startState( bench.problem() ) }, {}, LW_CHECK_BOTH, options.common.robot ) };
+		PageInput page = pageOf( input, bench.problem(),
+		    motionOfStates( bench.problem(), { io::startState( bench.problem() ) }, {}, LW_CHECK_BOTH, options.common.robot ), LW_CHECK_BOTH );
 		page.spheres = links;
 		page.notes = notices.all();
 		view.write( page, files );

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "motions/json.hpp"
+#include "program/setup.hpp"
 
 #include "leeway/planners/stuck.hpp"
 

@@ -1,25 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway audit --trajectory, --steps: timed trajectories, proved as a controller drives them, in a world that changes in between.
-#include "leeway/handles.hpp"
 #include "leeway/motions/motion_files.hpp"
 #include "leeway/motions/stage.hpp"
-#include "leeway/motions/trajectory.hpp"
-#include "motions/names.hpp"
-#include "view/page.hpp"
+#include "motions/report.hpp"
+#include "program/page_file.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <memory>
+#include <set>
 
 namespace leeway::cli
 {
 namespace
 {
-
-constexpr double profile_step = 0.01;          // seconds
-constexpr std::size_t most_samples = 1u << 17; // of a profile
-constexpr double gap_tolerance = 1e-3;         // radians or metres between the end of a trajectory and the start of the next
 
 Interpolation interpolationOf( const std::string& name )
 {
@@ -27,25 +22,6 @@ Interpolation interpolationOf( const std::string& name )
 	       : name == "cubic"   ? Interpolation::cubic
 	       : name == "quintic" ? Interpolation::quintic
 	                           : Interpolation::automatic;
-}
-
-/// Clearances over time, exact, at steps of 10 ms and at the end.
-std::string profileOf(
-    const Workbench& bench, const std::vector<Segment>& segments, lw_check_flags flags, const std::string& file )
-{
-	const double begin = segments.front().begin, duration = segments.back().begin + segments.back().seconds - begin;
-	const std::size_t steps = std::min( most_samples, static_cast<std::size_t>( std::ceil( duration / profile_step ) ) );
-	std::string out;
-	for ( std::size_t i = 0; i <= steps; ++i )
-	{
-		const double time = begin + ( steps == 0 ? 0 : duration * static_cast<double>( i ) / static_cast<double>( steps ) );
-		const lw_state_result state = measure( bench, stateAt( segments, time ), flags, nullptr, file, "the trajectory" );
-		const auto cell = [&]( lw_check_flags flag, const lw_clearance& clearance )
-		{ return ( flags & flag ) != 0 ? fmt::format( "{}", nameSelf( bench.checker(), clearance ).least() ) : ""; };
-		out += fmt::format(
-		    "{},{},{}\n", time, cell( LW_CHECK_ENVIRONMENT, state.environment ), cell( LW_CHECK_SELF, state.self ) );
-	}
-	return out;
 }
 
 /// A step, with its trajectories.
@@ -77,73 +53,32 @@ std::vector<Act> readActs( const AuditOptions& options )
 	return acts;
 }
 
-const TrajectoryFile& firstOf( const std::vector<Act>& acts )
+std::vector<TrajectoryFile> filesOf( const std::vector<Act>& acts )
 {
-	return std::find_if( acts.begin(), acts.end(), []( const Act& act ) { return !act.files.empty(); } )->files.front();
-}
-
-/// Where all joints stand at the beginning: as the first file says, else at the first point that any trajectory has for them.
-Values startValues( const std::vector<Act>& acts, const io::RobotModel& robot, Notices& notices )
-{
-	Values values;
-	const std::vector<std::string> known = variableNames( robot );
-	const auto is_known = [&]( const std::string& name )
-	{ return std::find( known.begin(), known.end(), name ) != known.end(); };
-	const TrajectoryFile& first = firstOf( acts );
-	for ( const auto& [name, value] : first.start_state )
-	{
-		if ( is_known( name ) )
-		{
-			values[name] = value;
-			continue;
-		}
-		notices.add( "unused joints",
-		    fmt::format( "{}: trajectory_start: joint '{}': the robot cannot move it; it is ignored", first.file, name ) );
-	}
+	std::vector<TrajectoryFile> files;
 	for ( const Act& act : acts )
 	{
-		for ( const TrajectoryFile& file : act.files )
-		{
-			for ( std::size_t i = 0; i < file.joint_names.size(); ++i )
-			{
-				if ( is_known( file.joint_names[i] ) )
-				{
-					values.emplace( file.joint_names[i], file.points.front().positions[i] );
-				}
-			}
-		}
+		files.insert( files.end(), act.files.begin(), act.files.end() );
 	}
-	return values;
+	return files;
 }
 
 /// The options for joints of this group, and for all joints. Those of other groups' joints are for other steps.
-std::vector<std::string> tolerancesFor( const AuditOptions& options, const Workbench& bench )
+std::vector<Tolerance> tolerancesFor( const AuditOptions& options, const io::Problem& problem )
 {
-	const std::vector<std::string>& names = bench.problem().variable_names;
-	std::vector<std::string> out;
-	for ( const std::string& text : options.tolerance )
+	const std::vector<std::string>& names = problem.variable_names;
+	std::vector<Tolerance> out = givenTolerances( options.tolerance );
+	const auto other = [&]( const Tolerance& tolerance )
 	{
-		const std::string name = text.substr( 0, text.rfind( '=' ) );
-		const bool other = !options.steps.empty() && text.find( '=' ) != std::string::npos &&
-		                   std::find( names.begin(), names.end(), name ) == names.end() &&
-		                   bench.variable( name ) != LW_INVALID_INDEX;
-		if ( !other )
-		{
-			out.push_back( text );
-		}
-	}
+		return !options.steps.empty() && !tolerance.variable.empty() &&
+		       std::find( names.begin(), names.end(), tolerance.variable ) == names.end() &&
+		       variableOf( problem.robot.get(), tolerance.variable ) != LW_INVALID_INDEX;
+	};
+	out.erase( std::remove_if( out.begin(), out.end(), other ), out.end() );
 	return out;
 }
 
-/// Joints that the motion does not move stand where the file says, inside of their limits or not.
-void noteLimits( const Workbench& bench, const std::string& file, Notices& notices )
-{
-	for ( const std::string& violation : limitViolations( bench, bench.problem().reference ) )
-	{
-		notices.add( "joint limits", fmt::format( "{}: start state: {}", file, violation ) );
-	}
-}
-
+/// Drives the trajectories, and keeps what reports and pages show of them.
 class Driver
 {
 public:
@@ -152,10 +87,24 @@ public:
 	{
 	}
 
+	/// The problem of a group in the world as it is now.
+	std::shared_ptr<const io::Problem> use( const std::string& group )
+	{
+		Progress progress( "building the checker" );
+		ReachProgress reach_progress( progress );
+		if ( m_stage.options().find_reach )
+		{
+			reach_progress.attach( m_stage.options().find_reach->def );
+		}
+		std::shared_ptr<const io::Problem> problem = m_stage.use( group );
+		m_notices.add( "the model", m_shown.insert( group ).second ? problem->notices : std::vector<io::Notice>() );
+		return problem;
+	}
+
 	void drive( const TrajectoryFile& file )
 	{
 		const std::string group = groupOf( file, m_options.common.group, m_input.robot );
-		const Workbench& bench = m_stage.use( group );
+		const std::shared_ptr<const io::Problem> problem = use( group );
 		if ( file.points.front().time > 0 )
 		{
 			m_notices.add( "first points",
@@ -165,40 +114,30 @@ public:
 			        file.file, file.at( "points[0].time_from_start" ), file.points.front().time ) );
 		}
 		m_notices.add( "fields of the trajectory", file.notices );
-		m_settings.tolerance = tolerances( bench, file.file, file.path_tolerance, tolerancesFor( m_options, bench ) );
-		const double begin = whole.duration;
-		const std::vector<Segment> segments = segmentsOf( bench, file, m_settings.interpolation, begin );
-		TrajectoryAudit audit = auditTrajectory( bench, m_input.robot, file.file, segments, m_settings );
-		addGaps( bench, segments, file, audit );
-		compareStart( bench, segments, file, audit );
+		m_settings.tolerance = tolerances( *problem, file.file, file.path_tolerance, tolerancesFor( m_options, *problem ) );
+		const TrajectoryAudit& audit = m_drive.add( *problem, m_input.robot, file, m_settings );
 		if ( !m_options.profile.empty() )
 		{
-			profile += profileOf( bench, segments, m_settings.edge.flags, file.file );
+			profile += profileCsv( *problem, m_drive.segments(), m_settings.edge.flags, file.file );
 		}
-		append( whole, audit );
-		keep( segments, group );
-		m_stage.moved( stateAt( segments, whole.duration ) );
-		told += fmt::format( "step        {:.4f} to {:.4f} s, {}: {}, {}\n", begin, whole.duration,
-		    group.empty() ? "all joints" : group, file.file, verdictName( audit.violation.verdict ) );
+		keep( m_drive.segments(), group );
+		m_stage.moved( stateAt( m_drive.segments(), whole().duration ) );
 		Json step = toJson( audit );
+		told += fmt::format( "step        {:.4f} to {:.4f} s, {}: {}, {}\n", m_drive.begin(), whole().duration,
+		    group.empty() ? "all joints" : group, file.file, step["verdict"].get<std::string>() );
 		step["file"] = file.file;
 		step["group"] = group;
-		step["begin"] = begin;
+		step["begin"] = m_drive.begin();
 		steps.push_back( step );
 	}
 
-	TrajectoryAudit whole;
+	const TrajectoryAudit& whole() const { return m_drive.whole(); }
 	std::string profile = "time,environment,self\n", told;
 	Json steps = Json::array();
 	std::vector<Segment> all; ///< of a page
 	std::string shown_group;
 
 private:
-	static const char* verdictName( lw_verdict verdict )
-	{
-		return verdict == LW_VERDICT_FREE ? "FREE" : verdict == LW_VERDICT_BLOCKED ? "BLOCKED" : "UNDECIDED";
-	}
-
 	/// For a page, which has one group.
 	void keep( const std::vector<Segment>& segments, const std::string& group )
 	{
@@ -212,45 +151,13 @@ private:
 		all.insert( all.end(), segments.begin(), segments.end() );
 	}
 
-	/// A jump from where the last motion of a joint ended.
-	void addGaps(
-	    const Workbench& bench, const std::vector<Segment>& segments, const TrajectoryFile& file, TrajectoryAudit& audit )
-	{
-		const std::vector<std::string>& names = bench.problem().variable_names;
-		for ( std::size_t v = 0; v < names.size(); ++v )
-		{
-			const double gap = std::abs( m_stage.at( names[v] ) - segments.front().points[v] ); // NaN: never moved
-			if ( gap > gap_tolerance )
-			{
-				audit.problems.push_back( fmt::format( "{} starts {:.6g} away from the end of the one before (joint {})",
-				    file.element.empty() ? file.file : file.element, gap, names[v] ) );
-			}
-		}
-	}
-
-	/// A controller jumps from where the robot stands to a first point at time 0.
-	static void compareStart(
-	    const Workbench& bench, const std::vector<Segment>& segments, const TrajectoryFile& file, TrajectoryAudit& audit )
-	{
-		const std::vector<std::string>& names = bench.problem().variable_names;
-		for ( const auto& [name, value] : file.start_state )
-		{
-			const auto found = std::find( names.begin(), names.end(), name );
-			const double first =
-			    found == names.end() ? value : segments.front().points[static_cast<std::size_t>( found - names.begin() )];
-			if ( file.points.front().time == 0 && !( std::abs( first - value ) <= gap_tolerance ) )
-			{
-				audit.problems.push_back( fmt::format( "{} begins with joint {} at {:.6g}, and its start state has {:.6g}",
-				    file.element.empty() ? file.file : file.element, name, first, value ) );
-			}
-		}
-	}
-
 	const AuditOptions& m_options;
 	const Input& m_input;
 	Stage& m_stage;
 	Notices& m_notices;
 	TrajectorySettings m_settings;
+	Drive m_drive;
+	std::set<std::string> m_shown; ///< groups whose notices were given
 };
 
 } // namespace
@@ -271,10 +178,22 @@ int runTrajectoryAudit( const AuditOptions& options )
 	settings.edge.min_d = options.common.min_d;
 	settings.edge.flags = options.common.checkFlags();
 	settings.interpolation = interpolationOf( options.interpolation );
-	const std::string group = groupOf( firstOf( acts ), options.common.group, input.robot );
-	Stage stage( input, notices, startValues( acts, input.robot, notices ) );
-	noteLimits( stage.use( group ), firstOf( acts ).file, notices );
+	const std::vector<TrajectoryFile> files = filesOf( acts );
+	const std::string group = groupOf( files.front(), options.common.group, input.robot );
+	std::vector<io::Notice> unused;
+	const Values start = startValues( files, input.robot, unused );
+	notices.add( "unused joints", unused );
+	const Values standing_at = standing( input.robot, input.request ? &*input.request : nullptr, start );
+	Stage stage( input.robot, problemOptions( input, group, {} ), standing_at );
 	Driver driver( options, input, stage, notices, settings );
+	{
+		const std::shared_ptr<const io::Problem> problem = driver.use( group );
+		// Joints that the motion does not move stand where the file says, inside of their limits or not
+		for ( const std::string& violation : limitViolations( problem->robot.get(), problem->reference ) )
+		{
+			notices.add( "joint limits", fmt::format( "{}: start state: {}", files.front().file, violation ) );
+		}
+	}
 	for ( const Act& act : acts )
 	{
 		if ( act.files.empty() )
@@ -294,7 +213,7 @@ int runTrajectoryAudit( const AuditOptions& options )
 		    options.steps.empty() ? options.trajectory : options.steps;
 		json["robot"] = input.robot.name;
 		json["group"] = group;
-		json["audit"] = toJson( driver.whole );
+		json["audit"] = toJson( driver.whole() );
 		if ( !options.steps.empty() )
 		{
 			json["steps"] = driver.steps;
@@ -309,17 +228,17 @@ int runTrajectoryAudit( const AuditOptions& options )
 	}
 	if ( view.isWanted() )
 	{
-		const Workbench& bench = stage.use( driver.shown_group );
-		PageInput page = { input, bench, motionOfTrajectory( bench, driver.all, settings.edge.flags, options.trajectory ),
-		    settings.edge.flags };
+		const std::shared_ptr<const io::Problem> problem = driver.use( driver.shown_group );
+		PageInput page = pageOf( input, *problem,
+		    motionOfTrajectory( *problem, driver.all, settings.edge.flags, options.trajectory ), settings.edge.flags );
 		page.min_d = settings.edge.min_d;
 		page.source = options.trajectory;
-		page.notes = driver.whole.problems;
+		page.notes = driver.whole().problems;
 		view.write( page, out );
 	}
 	commitTogether( out );
-	printOut( ( options.steps.empty() ? "" : driver.told ) + describe( driver.whole ) );
-	return driver.whole.valid() ? exit_yes : exit_no;
+	printOut( ( options.steps.empty() ? "" : driver.told ) + describe( driver.whole() ) );
+	return driver.whole().valid() ? exit_yes : exit_no;
 }
 
 } // namespace leeway::cli

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway view: a page with robot, scene, motion and clearances.
-#include "leeway/motions/motion_files.hpp"
+#include "program/page_file.hpp"
 #include "program/states.hpp"
-#include "view/page.hpp"
 
 #include "leeway/prepare.hpp"
 
@@ -48,19 +47,21 @@ Source readSource( const ViewOptions& options )
 
 Workbench makeBench( const Source& source, const ViewOptions& options, const Input& input, Notices& notices )
 {
-	const std::string& chosen = options.common.group;
+	std::string group = options.common.group;
+	Values start;
+	std::vector<io::Notice> unused;
 	if ( source.path )
 	{
-		return Workbench( input, groupOf( *source.path, chosen, input.robot ),
-		    startValues( *source.path, input.robot, notices ), notices );
+		group = groupOf( *source.path, group, input.robot );
+		start = startValues( *source.path, input.robot, unused );
 	}
-	if ( !source.trajectories.empty() )
+	else if ( !source.trajectories.empty() )
 	{
-		const TrajectoryFile& first = source.trajectories.front();
-		return Workbench(
-		    input, groupOf( first, chosen, input.robot ), startValues( first, input.robot, notices ), notices );
+		group = groupOf( source.trajectories.front(), group, input.robot );
+		start = startValues( source.trajectories, input.robot, unused );
 	}
-	return Workbench( input, chosen, {}, notices );
+	notices.add( "unused joints", unused );
+	return Workbench( input, group, start, notices );
 }
 
 /// The rows of a table as states of the group. Joints outside of the group stand still on a page: they must not change.
@@ -91,9 +92,11 @@ ViewMotion motionOf(
     const Source& source, const ViewOptions& options, const Input& input, Workbench& bench, Notices& notices )
 {
 	const lw_check_flags flags = options.common.checkFlags();
+	const io::Problem& problem = bench.problem();
+	Progress progress( "measuring the motion" );
 	if ( source.path )
 	{
-		return motionOfPath( bench, groupPoints( *source.path, bench ), flags, source.file );
+		return motionOfPath( problem, groupPoints( *source.path, problem ), flags, source.file, shownBy( progress ) );
 	}
 	if ( !source.trajectories.empty() )
 	{
@@ -101,17 +104,17 @@ ViewMotion motionOf(
 		for ( const TrajectoryFile& file : source.trajectories ) // driven one after the other
 		{
 			const double begin = segments.empty() ? 0 : segments.back().begin + segments.back().seconds;
-			const std::vector<Segment> more = segmentsOf( bench, file, Interpolation::automatic, begin );
+			const std::vector<Segment> more = segmentsOf( problem, file, Interpolation::automatic, begin );
 			segments.insert( segments.end(), more.begin(), more.end() );
 		}
-		return motionOfTrajectory( bench, segments, flags, source.file );
+		return motionOfTrajectory( problem, segments, flags, source.file, shownBy( progress ) );
 	}
 	if ( source.states )
 	{
-		return motionOfStates(
-		    bench, statesOf( *source.states, source.file, input, bench, notices ), {}, flags, source.file );
+		const std::vector<std::vector<double>> states = statesOf( *source.states, source.file, input, bench, notices );
+		return motionOfStates( bench.problem(), states, {}, flags, source.file );
 	}
-	return motionOfStates( bench, { io::startState( bench.problem() ) }, {}, flags, options.common.robot );
+	return motionOfStates( problem, { io::startState( problem ) }, {}, flags, options.common.robot );
 }
 
 } // namespace
@@ -133,12 +136,15 @@ int runView( const ViewOptions& options )
 	const Input input = loadInput( options.common, notices );
 	Workbench bench = makeBench( source, options, input, notices );
 	(void)prepare( bench.checker() ); // a mesh that cannot be made ends the first state that needs it
-	PageInput page = { input, bench, motionOf( source, options, input, bench, notices ), options.common.checkFlags() };
+	ViewMotion motion = motionOf( source, options, input, bench, notices );
+	PageInput page = pageOf( input, bench.problem(), std::move( motion ), options.common.checkFlags() );
 	page.min_d = options.common.min_d_given || !source.path ? options.common.min_d : source.path->min_d;
 	page.triangles = options.triangles;
 	page.live = !options.stored;
 	page.source = source.file;
 	page.notes = notices.all();
+	Progress progress( "making the page" );
+	page.progress = shownBy( progress );
 	const std::string html = pageHtml( page );
 	std::vector<OutputFile*> files;
 	if ( out )

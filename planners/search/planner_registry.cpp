@@ -54,7 +54,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace leeway::cli
+namespace leeway::planners
 {
 namespace
 {
@@ -114,7 +114,7 @@ bool isInRange( const std::string& value, const std::string& range )
 
 } // namespace
 
-const std::vector<PlannerEntry>& planners()
+const std::vector<PlannerEntry>& registry()
 {
 	static const std::vector<PlannerEntry> entries = {
 	    { "Leeway", "first solution", make<planners::OmplPlanner>, "threads" },
@@ -164,7 +164,7 @@ const std::vector<PlannerEntry>& planners()
 const PlannerEntry& findPlanner( const std::string& name )
 {
 	std::string names;
-	for ( const PlannerEntry& entry : planners() )
+	for ( const PlannerEntry& entry : registry() )
 	{
 		if ( lower( entry.name ) == lower( name ) )
 		{
@@ -188,7 +188,7 @@ void requireThreads( const PlannerEntry& planner, unsigned threads )
 		return;
 	}
 	std::string names;
-	for ( const PlannerEntry& entry : planners() )
+	for ( const PlannerEntry& entry : registry() )
 	{
 		names += entry.threads == nullptr ? "" : ( names.empty() ? "" : ", " ) + std::string( entry.name );
 	}
@@ -240,4 +240,4 @@ void ensureProjection( const ob::StateSpacePtr& space )
 	}
 }
 
-} // namespace leeway::cli
+} // namespace leeway::planners

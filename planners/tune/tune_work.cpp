@@ -10,7 +10,7 @@
 // centres moved into another frame got a weight of nothing: they come along with poses and node tests.
 #include "leeway/tune/tune.hpp"
 
-namespace leeway::cli
+namespace leeway::tune
 {
 
 double unitWork( const lw_query_stats& s, std::size_t states, std::size_t motions )
@@ -20,4 +20,4 @@ double unitWork( const lw_query_stats& s, std::size_t states, std::size_t motion
 	       0.8 * double( states ) + 3.8 * double( motions );
 }
 
-} // namespace leeway::cli
+} // namespace leeway::tune

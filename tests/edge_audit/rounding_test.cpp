@@ -10,8 +10,8 @@
 namespace
 {
 
-using leeway::cli::proveRoundings;
-using leeway::cli::RoundingProof;
+using leeway::motions::proveRoundings;
+using leeway::motions::RoundingProof;
 
 State moved( State a, const State& v, double t )
 {

@@ -126,7 +126,7 @@ void csv( Input input )
 	reads(
 	    [&]
 	    {
-		    const leeway::cli::CsvTable table = leeway::cli::readCsv( file );
+		    const leeway::motions::CsvTable table = leeway::motions::readCsv( file );
 		    for ( std::size_t row = 0; row < table.rows.size(); ++row )
 		    {
 			    for ( std::size_t column = 0; column < table.header.size(); ++column )
@@ -143,13 +143,13 @@ void path( Input input )
 	reads(
 	    [&]
 	    {
-		    const leeway::cli::PathFile first = leeway::cli::readPath( file );
+		    const leeway::motions::PathFile first = leeway::motions::readPath( file );
 		    for ( const std::vector<double>& point : first.points )
 		    {
 			    expect( point.size() == first.joint_names.size(), "a point has a value for each joint" );
 		    }
-		    const std::string again = put( "written.yaml", leeway::cli::writePath( first ) );
-		    const leeway::cli::PathFile second = leeway::cli::readPath( again );
+		    const std::string again = put( "written.yaml", leeway::motions::writePath( first ) );
+		    const leeway::motions::PathFile second = leeway::motions::readPath( again );
 		    expect( second.points == first.points && second.joint_names == first.joint_names && second.min_d == first.min_d,
 		        "a path that was written is read again" );
 	    } );
@@ -158,10 +158,10 @@ void path( Input input )
 		reads(
 		    [&]
 		    {
-			    for ( const leeway::cli::TrajectoryFile& trajectory : leeway::cli::readTrajectories( name ) )
+			    for ( const leeway::motions::TrajectoryFile& trajectory : leeway::motions::readTrajectories( name ) )
 			    {
 				    double before = -1;
-				    for ( const leeway::cli::TrajectoryPoint& point : trajectory.points )
+				    for ( const leeway::motions::TrajectoryPoint& point : trajectory.points )
 				    {
 					    const std::size_t count = trajectory.joint_names.size();
 					    expect( point.positions.size() == count && point.velocities.size() % count == 0 &&
@@ -173,7 +173,7 @@ void path( Input input )
 			    }
 		    } );
 	}
-	reads( [&] { leeway::cli::readJointLimits( file ); } );
+	reads( [&] { leeway::motions::readJointLimits( file ); } );
 }
 
 } // namespace fuzz

@@ -24,6 +24,7 @@ class House:
     folder: str
     rooms: list  # (name, contents), ground floor first
     objects: str = ""  # folder of its objects below the build folder
+    public: dict = dataclasses.field(default_factory=dict)  # room of the installed headers leeway/KEY/*, where the names differ
 
 
 HOUSES = [
@@ -51,16 +52,15 @@ HOUSES = [
         ("scene", "scenes, requests, margins; a problem, which joins a robot with a scene"),
     ]),
     House("planners", [
-        ("native", "the library leeway::planners: search trees of joint space, samples, path smoothing"),
-        ("text", "options and their domains, notices and result files, names, tables, path files"),
-        ("ik", "inverse kinematics: goal states from poses of links"),
-        ("python", "the package leeway of Python: arrays in and out"),
-        ("setup", "robot, scene and checkers from options; states, ends of plans, OMPL's planners, audits"),
-        ("pairs", "tables of link pairs, the SRDF made from them; reports on links and obstacles"),
+        ("search", "the libraries leeway::plan and leeway::planners: search trees of joint space, samples, smoothing, OMPL's planners"),
+        ("ik", "the library leeway::ik: goal states from poses of links"),
+        ("motions", "the library leeway::motions: files of paths and trajectories, roundings, audits with limits"),
+        ("pairs", "the library leeway::pairs: tables of link pairs, the SRDF made from them; reports on links and obstacles"),
+        ("tune", "the library leeway::tune: states and motions that are measured, the settings, the choice"),
         ("view", "one HTML page of robot, scene, motion and clearances; pictures of it"),
-        ("tune", "states and motions that are measured, the settings, the choice"),
-        ("commands", "the main function, and one file for each subcommand"),
-    ]),
+        ("python", "the package leeway of Python: arrays in and out"),
+        ("program", "command line, files in and out, one file for each subcommand"),
+    ], public={"planners": "search"}),
     House("benchmarks", [
         ("support", "command lines, states, edges and worlds, interleaved timing, the origin of results"),
         ("report", "experiments and their rounds, pages and plots, comparison of two runs"),
@@ -86,7 +86,11 @@ def includes(root, house):
     rooms = {name for name, _ in house.rooms}
     for room, path in files_of(root, house):
         for header in re.findall(r'^\s*#\s*include\s+"([^"]+)"', path.read_text(), re.MULTILINE):
-            other = header.split("/")[0] if "/" in header else room
+            parts = header.split("/")
+            if parts[0] == "leeway" and len(parts) > 2:  # an installed header
+                parts = parts[1:]
+                parts[0] = house.public.get(parts[0], parts[0])
+            other = parts[0] if len(parts) > 1 else room
             if other in rooms:
                 yield room, path.name, other, header
 

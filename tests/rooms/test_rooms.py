@@ -34,6 +34,11 @@ class Rooms(unittest.TestCase):
         self.assertEqual(len(found), 1)
         self.assertIn("wine.c: includes roof/tiles.h of roof", found[0])
 
+    def test_include_of_an_installed_header_that_points_up(self):
+        found = problems({**GOOD, "cellar/wine.c": '#include "leeway/roof/tiles.hpp"\n#include "leeway/tiles.h"\n'}, CALLS_DOWN)
+        self.assertEqual(len(found), 1)
+        self.assertIn("wine.c: includes leeway/roof/tiles.hpp of roof", found[0])
+
     def test_call_that_points_up(self):
         found = problems(GOOD, {**CALLS_DOWN, ("cellar", "wine.c"): "0000 T wine\n                 U tiles\n"})
         self.assertEqual(len(found), 1)

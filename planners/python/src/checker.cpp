@@ -462,6 +462,7 @@ void bindCheckers( nb::module_& module )
 	bindProperties( type );
 	bindStates( type );
 	bindMotions( type );
+	bindAudits( module, type );
 	bindGoals( type );
 	bindPlans( module, type );
 	type.def( "full_state", &fullState, "q"_a,

@@ -2,13 +2,12 @@
 // The independent audit of a path: dense exact states, no certificates.
 #pragma once
 
-#include "motions/json.hpp"
-#include "program/setup.hpp"
+#include "leeway/motions/states.hpp"
 
 #include <string>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 
 /// A place on a path.
@@ -39,6 +38,7 @@ struct AuditSettings
 	double resolution = 1e-4;
 	lw_check_flags flags = LW_CHECK_BOTH;
 	double time = 60; ///< seconds, after which it ends where it is: the path is then not valid
+	ProgressFunction progress; ///< may be empty
 	/// An audit that needs more states is an error before it begins: some hours of work.
 	static constexpr double most_states = 1e8;
 };
@@ -56,33 +56,26 @@ struct Audit
 	double seconds = 0;
 };
 
-/// From one value of a variable to another, as edges go: the shorter way around, for a joint that wraps.
-/// @param variable of the robot
-double shorterWay( const lw_robot* robot, std::uint32_t variable, double a, double b );
-/// Distance of two group states, Euclidean; the shorter way for variables that wrap.
-double jointDistance( const Workbench& bench, const std::vector<double>& a, const std::vector<double>& b );
-
 /// Measures the path's states so densely that no robot point moves further between two of them than the larger of the
 /// resolution and a quarter of the room there is. Motion is measured from forward kinematics here, not taken from the
 /// motion bounds that the certified edges use; distances are exact ones, with a query of its own.
-/// @param points group states
+/// @param points group states, at least one; edges between them are straight
 /// Cost: at least a state for each tenth of a radian or metre that all joints together travel.
 /// @throws io::Error naming `file`; a path that needs more than AuditSettings::most_states by that
-Audit auditPath( const Workbench& bench, const std::vector<std::vector<double>>& points, const AuditSettings& settings,
+Audit auditPath( const io::Problem& problem, const std::vector<std::vector<double>>& points, const AuditSettings& settings,
     const std::string& file );
 
 /// Adds to the audit's problems if the path does not begin at the request's start, as numbers (a whole turn away is elsewhere), with all
 /// joints that the request names, or does not end at its goal, where angles that wrap may be whole turns away.
 void auditEnds(
-    const Workbench& bench, const io::Request& request, const std::vector<std::vector<double>>& points, Audit& audit );
+    const io::Problem& problem, const io::Request& request, const std::vector<std::vector<double>>& points, Audit& audit );
 
 /// Least clearances in equal stretches of the path's length.
 std::vector<AuditSample> profile( const Audit& audit, std::size_t stretches );
 
 /// Lines for people.
-std::string describe( const Audit& audit, const AuditSettings& settings, const std::vector<std::vector<double>>& points );
-Json toJson( const Audit& audit, const AuditSettings& settings );
+std::string describe( const Audit& audit, const AuditSettings& settings, std::size_t points );
 /// All samples: s,edge,t,environment,self
 std::string profileCsv( const Audit& audit );
 
-} // namespace leeway::cli
+} // namespace leeway::motions

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 
 /// A path of straight joint-space edges, with all that is needed to audit it: where the joints outside of the group stood
@@ -35,4 +35,4 @@ std::string writePath( const PathFile& path );
 /// @throws io::Error
 PathFile readPath( const std::string& file );
 
-} // namespace leeway::cli
+} // namespace leeway::motions

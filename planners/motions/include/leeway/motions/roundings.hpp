@@ -3,12 +3,14 @@
 #pragma once
 
 #include "leeway/leeway.h"
+#include "leeway/motions/states.hpp"
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 
 /// Verdict on a path and all of its roundings.
@@ -43,4 +45,22 @@ struct RoundingProof
 lw_status proveRoundings( const lw_checker* checker, lw_query* query, const std::vector<std::vector<double>>& points,
     double radius, const lw_edge_def& def, RoundingProof& out );
 
-} // namespace leeway::cli
+/// A proof of roundings with names.
+struct RoundingAudit
+{
+	double radius = 0, seconds = 0, min_d = 0;
+	RoundingProof proof;
+	std::vector<std::string> names; ///< of the variables of proof.q
+	Named pair;                     ///< of a state that is not free, measured there
+	bool valid() const { return proof.verdict == LW_VERDICT_FREE; }
+};
+
+/// Proves a path and its roundings; continuous joints take the shorter way from point to point.
+/// @param points group states, at least one @param radius, def as for proveRoundings() @param file of the path, for errors
+/// @throws io::Error if the group has a floating joint, CoreError
+RoundingAudit auditRoundings( const io::Problem& problem, const std::vector<std::vector<double>>& points, double radius,
+    const lw_edge_def& def, const std::string& file );
+/// Lines for people.
+std::string describe( const RoundingAudit& audit );
+
+} // namespace leeway::motions

@@ -3,32 +3,36 @@
 #pragma once
 
 #include "leeway/io/world.hpp"
-#include "program/setup.hpp"
+#include "leeway/motions/states.hpp"
 #include "leeway/motions/steps_file.hpp"
 
 #include <memory>
-#include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 
 class Stage
 {
 public:
-	/// @param values of all variables that do not stand at zero
-	Stage( const Input& input, Notices& notices, Values values )
-	    : m_input( input ), m_notices( notices ), m_values( std::move( values ) )
+	/// @param robot, and what the pointers of `options` point to, outlive the stage
+	/// @param options for all groups: their group and overrides are set here
+	/// @param values where variables stand at the beginning: standing()
+	Stage( const io::RobotModel& robot, io::ProblemOptions options, Values values )
+	    : m_robot( robot ), m_options( std::move( options ) ), m_values( std::move( values ) )
 	{
 	}
 
-	/// The bench of a group in the world as it is now. A bench handed out before is void. @throws io::Error
-	const Workbench& use( const std::string& group );
+	/// The problem of a group in the world as it is now. @throws io::Error
+	std::shared_ptr<const io::Problem> use( const std::string& group );
 	/// The variables of the group in use are at `q` from now on.
 	void moved( const std::vector<double>& q );
 	/// Changes the world; the robot stands where it was moved last. A group is in use. @throws io::Error naming `file`
 	void change( const Step& step, const std::string& file );
-	/// Where a variable stands; NaN if no motion has moved it yet.
-	double at( const std::string& variable ) const;
+	/// Options of the problems that are made next.
+	io::ProblemOptions& options() { return m_options; }
 
 private:
 	struct Change
@@ -36,18 +40,16 @@ private:
 		Step step;
 		lw_transform pose; ///< of the object, once attached in the link's frame, once released in the world
 	};
-	io::World& world();
+	io::World& changing();
 	void repeat( const Change& change );
 	void allow( const std::string& link, const std::string& object, bool allowed );
 
-	const Input& m_input;
-	Notices& m_notices;
+	const io::RobotModel& m_robot;
+	io::ProblemOptions m_options;
 	Values m_values;
-	std::set<std::string> m_moved;
-	std::string m_group;
-	std::unique_ptr<Workbench> m_bench;
-	std::unique_ptr<io::World> m_world; ///< of m_bench, once something has changed
+	std::unique_ptr<io::World> m_world; ///< of the group in use
+	bool m_allowed = false;             ///< m_world keeps the pairs of the options for objects that come back
 	std::vector<Change> m_changes;      ///< all so far
 };
 
-} // namespace leeway::cli
+} // namespace leeway::motions

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 
 struct Step
@@ -34,4 +34,4 @@ struct Step
 /// @throws io::Error, also if no step is a trajectory
 std::vector<Step> readSteps( const std::string& file );
 
-} // namespace leeway::cli
+} // namespace leeway::motions

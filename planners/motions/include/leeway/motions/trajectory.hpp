@@ -2,15 +2,14 @@
 // Timed trajectories as a controller drives them: polynomial segments, proved at all times and not at samples.
 #pragma once
 
-#include "motions/json.hpp"
-#include "program/setup.hpp"
+#include "leeway/motions/states.hpp"
 #include "leeway/motions/trajectory_file.hpp"
 
 #include <map>
 #include <string>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 
 enum class Interpolation
@@ -62,29 +61,59 @@ struct TrajectoryAudit
 	bool valid() const { return violation.verdict == LW_VERDICT_FREE && problems.empty(); }
 };
 
-/// Tolerances of the group's variables, empty if all are 0: those of a goal in `file`, then those of the command line, "E" or "JOINT=E".
-/// @throws io::Error
-std::vector<double> tolerances( const Workbench& bench, const std::string& file,
-    const std::map<std::string, double>& of_goal, const std::vector<std::string>& given );
+/// A tolerance of one variable, or of all variables of the group.
+struct Tolerance
+{
+	std::string variable; ///< empty: all
+	double value = 0;     ///< radians or metres, 0 or more
+	std::string file, element; ///< that gives it, for errors
+};
+
+/// Tolerances [group variables], empty if all are 0: those of a goal in `file`, then the given ones; a later one replaces an earlier.
+/// @throws io::Error for a negative one, an unknown joint, and a tolerance of the goal that no number gives
+std::vector<double> tolerances( const io::Problem& problem, const std::string& file,
+    const std::map<std::string, double>& of_goal, const std::vector<Tolerance>& given );
 
 /// Segments of a trajectory in the order of the group's variables.
 /// @param begin seconds of the trajectories before it
 /// @throws io::Error for a joint that is missing or too many, and for data that the interpolation needs and the file lacks
 std::vector<Segment> segmentsOf(
-    const Workbench& bench, const TrajectoryFile& file, Interpolation interpolation, double begin );
+    const io::Problem& problem, const TrajectoryFile& file, Interpolation interpolation, double begin );
 
 /// Proves all segments, and compares positions, velocities and accelerations with their limits at all times.
 /// @param file of the segments, for errors @throws io::Error
-TrajectoryAudit auditTrajectory( const Workbench& bench, const io::RobotModel& robot, const std::string& file,
+TrajectoryAudit auditTrajectory( const io::Problem& problem, const io::RobotModel& robot, const std::string& file,
     const std::vector<Segment>& segments, const TrajectorySettings& settings );
-/// Adds the audit of a trajectory that is driven after those before.
-void append( TrajectoryAudit& whole, const TrajectoryAudit& next );
+
+/// Clearances over time, exact, at steps of 10 ms and at the end: lines "time,environment,self", without a header.
+std::string profileCsv( const io::Problem& problem, const std::vector<Segment>& segments, lw_check_flags flags, const std::string& file );
+
+/// Trajectories that are driven one after the other, by one group or by several.
+class Drive
+{
+public:
+	/// Audits a trajectory that begins where the one before ended. A jump from there, or from the file's start state to a first
+	/// point at time 0, is a problem. @param problem of the trajectory's group, in the world as it is by then @throws io::Error
+	const TrajectoryAudit& add(
+	    const io::Problem& problem, const io::RobotModel& robot, const TrajectoryFile& file, const TrajectorySettings& settings );
+	/// Segments of the last trajectory.
+	const std::vector<Segment>& segments() const { return m_segments; }
+	/// Seconds at which it begins.
+	double begin() const { return m_begin; }
+	/// Of all.
+	const TrajectoryAudit& whole() const { return m_whole; }
+
+private:
+	TrajectoryAudit m_whole, m_last;
+	std::vector<Segment> m_segments;
+	double m_begin = 0;
+	Values m_ends; ///< of all variables that were moved
+};
 
 /// Group state at a time of all trajectories.
 std::vector<double> stateAt( const std::vector<Segment>& segments, double time );
 
 /// Lines for people.
 std::string describe( const TrajectoryAudit& audit );
-Json toJson( const TrajectoryAudit& audit );
 
-} // namespace leeway::cli
+} // namespace leeway::motions

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::motions
 {
 
 struct TrajectoryPoint
@@ -47,4 +47,4 @@ struct JointLimits
 /// @throws io::Error
 JointLimits readJointLimits( const std::string& file );
 
-} // namespace leeway::cli
+} // namespace leeway::motions

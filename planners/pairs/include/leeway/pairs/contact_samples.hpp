@@ -2,6 +2,7 @@
 // Contacts and distances of link pairs in random states: evidence for pairs without a proof.
 #pragma once
 
+#include "leeway/motions/states.hpp"
 #include "leeway/pairs/pair_table.hpp"
 
 #include <cstdint>
@@ -9,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::pairs
 {
 
 /// Settings of the measurement.
@@ -18,6 +19,7 @@ struct SampleOptions
 	std::uint32_t states = 0;      ///< in which contact of all pairs without a proof is looked for
 	std::uint64_t seed = 0;        ///< of the random states
 	std::uint32_t never_after = 0; ///< states in which pairs that were not seen in contact are looked at; 0 = none
+	motions::ProgressFunction progress; ///< may be empty; called by several threads, one at a time
 };
 
 /// The distances of a pair that is near in nearly all random states.
@@ -36,7 +38,7 @@ constexpr double near_distance = 0.005;
 class ContactSamples
 {
 public:
-	/// Measures; shows progress. Enters into `table` the share of the states in contact, contacts that the table did not
+	/// Measures. Enters into `table` the share of the states in contact, contacts that the table did not
 	/// know, and the number of states without contact.
 	/// @throws io::Error
 	ContactSamples( const Robot& robot, PairTable& table, const SampleOptions& options );
@@ -60,9 +62,9 @@ public:
 private:
 	using Contacts = std::vector<std::uint32_t>; ///< rows of the table, ascending
 
-	void countContacts( PairTable& table );
-	void measureNear( const PairTable& table );
-	void seekContacts( PairTable& table, std::uint64_t count );
+	void countContacts( PairTable& table, const SampleOptions& options );
+	void measureNear( const PairTable& table, const SampleOptions& options );
+	void seekContacts( PairTable& table, const SampleOptions& options );
 
 	Robot m_robot;
 	std::uint64_t m_seed;
@@ -71,4 +73,4 @@ private:
 	std::vector<NearRange> m_near;
 };
 
-} // namespace leeway::cli
+} // namespace leeway::pairs

@@ -2,19 +2,21 @@
 // The hierarchy of a robot for `leeway info`: the reach of each link and its subtree.
 #pragma once
 
-#include "motions/json.hpp"
+#include "leeway/io/model.hpp"
 
-namespace leeway::cli
+#include <string>
+
+namespace leeway::pairs
 {
 
-/// The bench's own motion hulls, else new ones, for which no time is spent on pairs. @throws io::Error
-io::LoadedReach findHulls( const Workbench& bench );
+/// Settings of motion hulls without proofs of pairs.
+io::ReachOptions hullsOnly();
+/// The motion hulls of a problem, else new ones of its robot. @throws io::Error, CoreError
+io::LoadedReach findHulls( const io::Problem& problem, const io::ReachOptions& options = hullsOnly() );
 
 std::string hierarchyText( const io::LoadedReach& hulls );
-Json hierarchyJson( const io::LoadedReach& hulls );
 
 /// Pairs of each class.
 std::string pairClassText( const io::LoadedReach& tables );
-Json pairClassJson( const io::LoadedReach& tables );
 
-} // namespace leeway::cli
+} // namespace leeway::pairs

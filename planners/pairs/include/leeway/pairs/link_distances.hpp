@@ -6,7 +6,7 @@
 
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::pairs
 {
 
 /// Measures links of a robot in one state after the other. One thread.
@@ -27,4 +27,4 @@ private:
 	std::vector<lw_transform> m_poses;              ///< world_from_link
 };
 
-} // namespace leeway::cli
+} // namespace leeway::pairs

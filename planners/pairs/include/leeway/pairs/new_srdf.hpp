@@ -3,12 +3,11 @@
 #pragma once
 
 #include "leeway/pairs/contact_samples.hpp"
-#include "motions/json.hpp"
 
 #include <string>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::pairs
 {
 
 /// An SRDF with newly computed pairs, and its differences to the old one.
@@ -30,13 +29,10 @@ std::string describeNear( const PairTable& table, const ContactSamples& samples,
 /// Share of the random states that are free with the robot's SRDF and with the new one; pairs that block the others.
 std::string describeUse( PairTable& table, const ContactSamples& samples, const io::RobotModel& model, const NewSrdf* srdf );
 
-/// The same for programs: "near" and "usability".
-void addUse( Json& json, const PairTable& table, const ContactSamples& samples, const io::RobotModel& model, const NewSrdf* srdf );
-
 /// "12.3 %": never up to 100 by rounding.
 std::string percent( double share );
 /// "in contact in 12.3 % of 2000 random states", or a remark on the contact.
 std::string contactText( const PairRow& row );
 std::string pairText( const PairRow& row );
 
-} // namespace leeway::cli
+} // namespace leeway::pairs

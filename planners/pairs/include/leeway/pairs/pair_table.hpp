@@ -3,13 +3,13 @@
 #pragma once
 
 #include "leeway/pairs/link_distances.hpp"
-#include "program/setup.hpp"
+#include "leeway/io/model.hpp"
 
 #include <string>
 #include <utility>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::pairs
 {
 
 /// Share of the random states that are "nearly all", as MoveIt's Setup Assistant takes it for its reason Always.
@@ -96,4 +96,4 @@ private:
 	LinkDistances m_at_default, m_at_middle;
 };
 
-} // namespace leeway::cli
+} // namespace leeway::pairs

@@ -2,10 +2,12 @@
 // Parts of robot and scene that a checker keeps or drops, with reasons, and the work saved.
 #pragma once
 
-#include "motions/json.hpp"
-#include "program/setup.hpp"
+#include "leeway/io/model.hpp"
 
-namespace leeway::cli
+#include <string>
+#include <vector>
+
+namespace leeway::pairs
 {
 
 /// One link or obstacle with geometry.
@@ -34,9 +36,10 @@ struct Required
 };
 
 /// Checks the reference state, measures the work of that check, then makes all other meshes and measures that work.
-Required findRequired( const Workbench& bench, const Input& input );
+/// @param robot, scene of the problem; scene may be null @throws io::Error, CoreError
+Required findRequired( const io::Problem& problem, const io::RobotModel& robot, const io::SceneModel* scene );
 
-std::string requiredText( const Workbench& bench, const Required& required );
-Json requiredJson( const Required& required );
+/// Lines for people.
+std::string requiredText( const io::Problem& problem, const Required& required );
 
-} // namespace leeway::cli
+} // namespace leeway::pairs

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::planners
 {
 
 struct PlannerEntry
@@ -20,7 +20,8 @@ struct PlannerEntry
 
 constexpr unsigned most_threads = 64; ///< that OMPL's planners declare
 
-const std::vector<PlannerEntry>& planners();
+/// All of them, by name.
+const std::vector<PlannerEntry>& registry();
 
 /// @param name upper and lower case do not matter
 /// @throws io::Error that lists the names
@@ -38,4 +39,4 @@ void setParameters( ::ompl::base::Planner& planner, const std::vector<std::strin
 /// and that of the smallest spaces does not work; this gives them a linear projection to the plane, the same for every run.
 void ensureProjection( const ::ompl::base::StateSpacePtr& space );
 
-} // namespace leeway::cli
+} // namespace leeway::planners
