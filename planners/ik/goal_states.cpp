@@ -212,7 +212,7 @@ bool Search::keep( State& q )
 	}
 	++m_result.reached;
 	bool free = false;
-	require( lw_checker_is_free( m_problem.checker.get(), m_query.get(), q.data(), m_options.flags, m_options.min_d, &free ),
+	require( lw_checker_is_free( m_problem.checker.get(), m_query.get(), q.data(), m_options.flags, m_options.min_d, &free, nullptr ),
 	    "check of a goal state" );
 	if ( !free )
 	{
@@ -363,18 +363,16 @@ void Search::explainCollision()
 	std::map<std::string, std::size_t> pairs;
 	for ( const State& q : m_blocked )
 	{
-		lw_state_result state;
-		require( lw_checker_state( checker, m_query.get(), q.data(), m_options.flags, nullptr, true, &state ),
+		bool free = false;
+		lw_state_reason reason;
+		require( lw_checker_is_free( checker, m_query.get(), q.data(), m_options.flags, m_options.min_d, &free, &reason ),
 		    "check of a goal state" );
-		const bool environment = ( m_options.flags & LW_CHECK_ENVIRONMENT ) != 0 && state.environment.a != LW_INVALID_INDEX &&
-		                         !( state.environment.lower > m_options.min_d );
-		const lw_clearance& blamed = environment ? state.environment : state.self;
-		if ( blamed.a != LW_INVALID_INDEX && blamed.b != LW_INVALID_INDEX )
+		if ( reason.pair.kind != LW_CLEARANCE_UNKNOWN )
 		{
 			const lw_robot* const robot = m_problem.robot.get();
-			++pairs[std::string( lw_robot_link_name( robot, blamed.a ) ) + " - " +
-			        ( environment ? lw_scene_object_name( m_problem.scene.get(), blamed.b )
-			                      : lw_robot_link_name( robot, blamed.b ) )];
+			++pairs[std::string( lw_robot_link_name( robot, reason.pair.a ) ) + " - " +
+			        ( reason.self ? lw_robot_link_name( robot, reason.pair.b )
+			                      : lw_scene_object_name( m_problem.scene.get(), reason.pair.b ) )];
 		}
 	}
 	std::vector<std::pair<std::string, std::size_t>> sorted( pairs.begin(), pairs.end() );

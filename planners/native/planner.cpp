@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 namespace leeway::planners
 {
@@ -94,7 +95,31 @@ double largestRadius( const Space& space )
 	return 0.75 * std::sqrt( square );
 }
 
+constexpr std::uint64_t Statistics::* counts[] = { &Statistics::samples, &Statistics::states, &Statistics::states_free,
+	&Statistics::lane_states, &Statistics::edges, &Statistics::free, &Statistics::blocked, &Statistics::undecided,
+	&Statistics::edge_queries, &Statistics::start_nodes, &Statistics::goal_nodes, &Statistics::passed_over };
+static_assert( sizeof( Statistics ) == std::size( counts ) * sizeof( std::uint64_t ), "a count is not in the list" );
+
 } // namespace
+
+Statistics& Statistics::operator+=( const Statistics& more )
+{
+	for ( const auto count : counts )
+	{
+		this->*count += more.*count;
+	}
+	return *this;
+}
+
+Statistics Statistics::since( const Statistics& before ) const
+{
+	Statistics difference;
+	for ( const auto count : counts )
+	{
+		difference.*count = this->*count - before.*count;
+	}
+	return difference;
+}
 
 const char* name( Outcome outcome )
 {

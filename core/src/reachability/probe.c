@@ -254,7 +254,7 @@ void lwi_pair_analyser_select( lwi_pair_analyser* p, uint32_t link_a, uint32_t l
 {
 	p->link_a = link_a;
 	p->link_b = link_b;
-	p->ancestor = lwi_reach_common_ancestor( p->robot, link_a, link_b );
+	p->ancestor = lwi_robot_common_ancestor( p->robot, link_a, link_b );
 	p->chain_count = 0;
 	p->way_up = climb( p, link_a, p->way_a );
 	uint32_t down = climb( p, link_b, p->way_b );

@@ -45,7 +45,7 @@ LW_API void lw_plan_request_cancel( lw_plan_cancel* cancel );
 typedef struct lw_plan_statistics
 {
 	uint64_t samples, states, states_free;
-	uint64_t looks; ///< states that were looked at, most of them inside of edges: lw_checker_look()
+	uint64_t lane_states; ///< states checked in the lanes of vectors, most of them inside edges: lw_checker_states()
 	uint64_t edges, free, blocked, undecided; ///< edges = free + blocked + undecided + errors; smoothing included
 	uint64_t edge_queries;                    ///< states at which edges measured distances
 	uint64_t start_nodes, goal_nodes;         ///< of the two trees
@@ -63,7 +63,7 @@ typedef struct lw_plan_def
 	uint32_t goal_count;  ///< at least 1
 	const double* lower;  ///< [n] bounds of samples and ends; NULL = joint limits. Entries of angles that wrap are not used
 	const double* upper;  ///< [n]
-	lw_edge_def edge;     ///< judge of states and motions; margins of the path are its min_d
+	lw_edge_def edge;     ///< how states and edges are validated; its min_d is the clearance that the path keeps
 	double range;         ///< longest edge that a tree grows by, Euclidean, > 0; 0 = a length that suits the robot
 	double sample_radius; ///< samples lie within this many ranges of a node, 6.5; 0 = anywhere in the bounds, as half of the first 64
 	uint64_t seed;        ///< equal seeds give equal paths, unless time or a cancellation ends the work, or threads > 1
