@@ -106,15 +106,15 @@ static bool fragment_shared( const checker* c, const lw_vec3 v[3], double dilati
 	{
 		const double* b = c->spheres + 4 * (size_t)list[i];
 		lw_vec3 d = lwi_sub( lwi_load( b ), lwi_load( a ) );
-		double apart = lwi_length( d );
-		if ( !( apart > 0 ) || apart >= a[3] + b[3] )
+		double center_distance = lwi_length( d );
+		if ( !( center_distance > 0 ) || center_distance >= a[3] + b[3] )
 		{
 			continue;
 		}
-		lw_vec3 n = lwi_scale( 1 / apart, d );
-		double share = 0.5 * ( apart + ( a[3] - b[3] ) / apart * ( a[3] + b[3] ) );
+		lw_vec3 n = lwi_scale( 1 / center_distance, d );
+		double share = 0.5 * ( center_distance + ( a[3] - b[3] ) / center_distance * ( a[3] + b[3] ) );
 		if ( half_reach( v, dilation, lwi_load( a ), n, share ) <= a[3] - c->slack &&
-			 half_reach( v, dilation, lwi_load( b ), lwi_scale( -1, n ), apart - share ) <= b[3] - c->slack )
+			 half_reach( v, dilation, lwi_load( b ), lwi_scale( -1, n ), center_distance - share ) <= b[3] - c->slack )
 		{
 			return true;
 		}

@@ -150,12 +150,12 @@ bool lwi_fragment_tree_covered(
 	{
 		uint32_t index = stack[--height];
 		const lwi_fragment_node* node = &tree->nodes[index];
-		double apart = lwi_distance( node->center, center );
-		if ( apart > radius + node->radius )
+		double center_distance = lwi_distance( node->center, center );
+		if ( center_distance > radius + node->radius )
 		{
 			continue;
 		}
-		bool all = apart + node->radius <= radius;
+		bool all = center_distance + node->radius <= radius;
 		if ( !all && node->right != 0 )
 		{
 			stack[height++] = node->right;
