@@ -2,7 +2,7 @@
 // Inverse kinematics: free states of a group in which links have the poses that a goal asks for.
 #include "leeway/ik/goal_states.hpp"
 
-#include "ik/judge.hpp"
+#include "ik/goal_test.hpp"
 #include "ik/solver.hpp"
 
 #include <fmt/format.h>
@@ -54,7 +54,7 @@ private:
 	const io::Request& m_request;
 	const Options& m_options;
 	GoalParts m_parts;
-	Judge m_judge;
+	GoalTest m_goal_test;
 	Chain m_chain;
 	BoundGoal m_goal;
 	std::optional<Solver> m_solver;
@@ -68,7 +68,7 @@ private:
 
 Search::Search( const io::RobotModel& robot, const io::Problem& problem, const io::Request& request, const Options& options )
     : m_problem( problem ), m_request( request ), m_options( options ), m_parts( goalParts( problem, request ) ),
-      m_judge( problem, request, m_parts ), m_chain( robot, problem ), m_random( options.seed ),
+      m_goal_test( problem, request, m_parts ), m_chain( robot, problem ), m_random( options.seed ),
       m_query( makeQuery( problem.checker.get() ) ), m_start( io::startState( problem ) )
 {
 	m_best.metres = HUGE_VAL;
@@ -206,7 +206,7 @@ void Search::wrapAngles( State& q ) const
 bool Search::keep( State& q )
 {
 	wrapAngles( q );
-	if ( !m_judge.reaches( q.data() ) )
+	if ( !m_goal_test.reaches( q.data() ) )
 	{
 		return false;
 	}
@@ -399,7 +399,7 @@ GoalStates findGoalStates(
 std::vector<std::string> goalViolations( const io::Problem& problem, const io::Request& request, const double* q )
 {
 	const GoalParts parts = goalParts( problem, request );
-	return Judge( problem, request, parts ).violations( q );
+	return GoalTest( problem, request, parts ).violations( q );
 }
 
 } // namespace leeway::ik

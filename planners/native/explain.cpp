@@ -73,7 +73,7 @@ EndRoom measureRoom( const lw_checker* checker, lw_query* query, const lw_edge_d
 	lw_edge_def edge = def;
 	edge.want_proved_until = true;
 	Statistics unused;
-	room.free = Judge( checker, query, def, unused ).isStateFree( q );
+	room.free = Validator( checker, query, def, unused ).isStateFree( q );
 	if ( !room.free )
 	{
 		blame.state( q );

@@ -68,11 +68,11 @@ inline bool anyBlocked( const Seen* seen, unsigned count )
 }
 
 /// After an error every answer is "not free".
-class Judge
+class Validator
 {
 public:
 	/// @param blame takes edges and states that are not free; may be null
-	Judge(
+	Validator(
 	    const lw_checker* checker, lw_query* query, const lw_edge_def& def, Statistics& statistics, Blame* blame = nullptr )
 	    : m_checker( checker ), m_query( query ), m_def( def ), m_statistics( statistics ), m_blame( blame )
 	{

@@ -24,31 +24,31 @@ constexpr std::size_t block_of_motions = 16;
 }
 
 /// Settings that all motions of a batch share.
-struct Judge
+struct EdgeOptions
 {
 	lw_edge_def def = lw_edge_def_default();
 	Doubles tolerance; ///< keeps def.tolerance alive
 };
 
-Judge judgeOf( const PyChecker& checker, double min_d, double slack, const std::string& check, const nb::object& step,
+EdgeOptions edgeOptions( const PyChecker& checker, double min_d, double slack, const std::string& check, const nb::object& step,
     const nb::object& tolerance, bool proved_until )
 {
-	Judge judge;
-	judge.def.min_d = min_d;
-	judge.def.slack = slack;
-	judge.def.flags = checkFlags( check );
-	judge.def.want_proved_until = proved_until;
+	EdgeOptions options;
+	options.def.min_d = min_d;
+	options.def.slack = slack;
+	options.def.flags = checkFlags( check );
+	options.def.want_proved_until = proved_until;
 	if ( !step.is_none() )
 	{
-		judge.def.method = LW_EDGE_STEPS;
-		judge.def.max_d = nb::cast<double>( step );
+		options.def.method = LW_EDGE_STEPS;
+		options.def.max_d = nb::cast<double>( step );
 	}
 	if ( !tolerance.is_none() )
 	{
-		judge.tolerance = nb::cast<Doubles>( tolerance );
-		judge.def.tolerance = vectorOf( judge.tolerance, checker.variables(), "tolerance", "variables of the group" );
+		options.tolerance = nb::cast<Doubles>( tolerance );
+		options.def.tolerance = vectorOf( options.tolerance, checker.variables(), "tolerance", "variables of the group" );
 	}
-	return judge;
+	return options;
 }
 
 /// Arrays of results, one entry for each motion.
@@ -128,10 +128,10 @@ nb::object edges( const PyChecker& checker, const Doubles& a, const Doubles& b, 
 	{
 		refuse( "a and b: " + std::to_string( from.count ) + " states beside " + std::to_string( to.count ) );
 	}
-	const Judge judge = judgeOf( checker, min_d, slack, check, step, tolerance, proved_until );
+	const EdgeOptions options = edgeOptions( checker, min_d, slack, check, step, tolerance, proved_until );
 	return checkAll( checker, from.count, threads, "edge",
 	    [&]( lw_query* query, std::size_t i, lw_edge_result& r )
-	    { return lw_checker_edge( checker.get(), query, from[i], to[i], &judge.def, &r ); } );
+	    { return lw_checker_edge( checker.get(), query, from[i], to[i], &options.def, &r ); } );
 }
 
 nb::object path( const PyChecker& checker, const Doubles& q, double min_d, double slack, const std::string& check,
@@ -142,10 +142,10 @@ nb::object path( const PyChecker& checker, const Doubles& q, double min_d, doubl
 	{
 		refuse( "q: a path has at least 2 states" );
 	}
-	const Judge judge = judgeOf( checker, min_d, slack, check, step, tolerance, proved_until );
+	const EdgeOptions options = edgeOptions( checker, min_d, slack, check, step, tolerance, proved_until );
 	return checkAll( checker, rows.count - 1, threads, "edge",
 	    [&]( lw_query* query, std::size_t i, lw_edge_result& r )
-	    { return lw_checker_edge( checker.get(), query, rows[i], rows[i + 1], &judge.def, &r ); } );
+	    { return lw_checker_edge( checker.get(), query, rows[i], rows[i + 1], &options.def, &r ); } );
 }
 
 nb::object curves( const PyChecker& checker, const Doubles& points, double min_d, double slack, const std::string& check,
@@ -158,13 +158,13 @@ nb::object curves( const PyChecker& checker, const Doubles& points, double min_d
 		refuse( "points: shape " + shapeText( points ) + " is not (n, degree + 1, " + std::to_string( width ) +
 		        ") with a degree of 1 to " + std::to_string( static_cast<int>( LW_CURVE_MOST_DEGREE ) ) );
 	}
-	const Judge judge = judgeOf( checker, min_d, slack, check, nb::none(), tolerance, false );
+	const EdgeOptions options = edgeOptions( checker, min_d, slack, check, nb::none(), tolerance, false );
 	const auto degree = static_cast<std::uint32_t>( points.shape( 1 ) - 1 );
 	const std::size_t size = points.shape( 1 ) * width;
 	const double* data = points.data();
 	return checkAll( checker, points.shape( 0 ), threads, "curve",
 	    [&]( lw_query* query, std::size_t i, lw_edge_result& r )
-	    { return lw_checker_curve( checker.get(), query, data + i * size, degree, &judge.def, &r ); } );
+	    { return lw_checker_curve( checker.get(), query, data + i * size, degree, &options.def, &r ); } );
 }
 
 /// Control points of the pieces between the points of a trajectory: core/docs/motions.md.
@@ -244,12 +244,12 @@ nb::object trajectory( const PyChecker& checker, const Doubles& times, const Dou
 		}
 		addPiece( h, q, v, a, i, pieces );
 	}
-	const Judge judge = judgeOf( checker, min_d, slack, check, nb::none(), tolerance, true );
+	const EdgeOptions options = edgeOptions( checker, min_d, slack, check, nb::none(), tolerance, true );
 	return checkAll( checker, pieces.count, threads, "piece",
 	    [&]( lw_query* query, std::size_t i, lw_edge_result& r )
 	    {
 		    return lw_checker_curve(
-		        checker.get(), query, pieces[i], static_cast<std::uint32_t>( pieces.degree ), &judge.def, &r );
+		        checker.get(), query, pieces[i], static_cast<std::uint32_t>( pieces.degree ), &options.def, &r );
 	    } );
 }
 

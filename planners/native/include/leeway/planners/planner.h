@@ -144,7 +144,7 @@ typedef struct lw_plan_result
 	char message[LW_PLAN_MESSAGE]; ///< lines in UTF-8 on an outcome without a path, always terminated; empty if SOLVED
 } lw_plan_result;
 
-/// Searches a path, and smooths it. Each edge of the path is judged FREE by lw_checker_edge() with def->edge: proved for
+/// Searches a path, and smooths it. Each edge of the path is FREE by lw_checker_edge() with def->edge: proved for
 /// LW_EDGE_CERTIFIED, sampled for LW_EDGE_STEPS. Any number of threads may plan with one checker, each with its own query.
 /// @return LW_OK for every outcome but UNKNOWN; LW_ERROR_INVALID_DEF; LW_ERROR_INVALID_ARGUMENT (diag names the field, joint or
 /// end; diag.index is the index of the end); LW_ERROR_OUT_OF_MEMORY; or the status of a check that failed. No C++ exception
