@@ -58,7 +58,7 @@ const Question QUESTIONS[] = {
     { "environment, exact", LW_CHECK_ENVIRONMENT, { 0, INFINITE, 0 }, false, false },
     { "environment, > 10 mm?", LW_CHECK_ENVIRONMENT, { 0.01, 0.010000000000000002, 0 }, true, false },
     { "self, exact", LW_CHECK_SELF, { 0, INFINITE, 0 }, false, false },
-    { "self, in contact?", LW_CHECK_SELF, { 0, 5e-324, 0 }, true, false },
+    { "self, in contact?", LW_CHECK_SELF, lw_range_threshold( 0 ), true, false },
     { "edge, certified", LW_CHECK_BOTH, { 0, INFINITE, 0 }, false, true },
 };
 
@@ -70,7 +70,7 @@ double uniform( std::mt19937_64& random )
 /// Uniform within the limits and free, by the checker's word.
 std::vector<double> freeState( const io::Problem& problem, lw_query* query, std::mt19937_64& random )
 {
-	const lw_range contact = { 0, 5e-324, 0 };
+	const lw_range contact = lw_range_threshold( 0 );
 	for ( ;; )
 	{
 		std::vector<double> state;

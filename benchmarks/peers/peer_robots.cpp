@@ -203,8 +203,7 @@ private:
 
 	static Answer askLeeway( const State& state, const Question& question, bool self )
 	{
-		const lw_range range = question.verdict ? lw_range{ question.margin, std::nextafter( question.margin, INFINITE ), 0 }
-		                                        : lw_range{ 0, INFINITE, question.alpha };
+		const lw_range range = question.verdict ? lw_range_threshold( question.margin ) : lw_range{ 0, INFINITE, question.alpha };
 		lw_state_result result;
 		leeway::require( lw_checker_state( state.place->world->with_tables.get(), state.place->query.get(), state.q.data(),
 		                     self ? LW_CHECK_SELF : LW_CHECK_ENVIRONMENT, &range, question.verdict, &result ),

@@ -116,7 +116,7 @@ public:
 		m_setup.clear();
 		Planned out;
 		double start = processMicroseconds();
-		// by the clock itself: with solve( seconds ) a thread would look at it, which may not get its turn
+		// timedPlannerTerminationCondition reads the clock in each call; solve( seconds ) has a thread that reads it, late on a busy machine
 		const auto status = m_setup.getPlanner()->solve( ob::timedPlannerTerminationCondition( seconds ) );
 		out.plan_us = processMicroseconds() - start;
 		out.solved = status == ob::PlannerStatus::EXACT_SOLUTION;

@@ -55,7 +55,7 @@ public:
 	Answer violates( const double* q, lw_check_flags flags, double min_d )
 	{
 		bool free = false;
-		leeway::require( lw_checker_is_free( m_problem.checker.get(), m_query.get(), q, flags, min_d, &free ), "a state" );
+		leeway::require( lw_checker_is_free( m_problem.checker.get(), m_query.get(), q, flags, min_d, &free, nullptr ), "a state" );
 		const double answer = free ? 0 : 1;
 		return { answer, answer };
 	}

@@ -44,7 +44,7 @@ struct Question
 };
 
 const Question QUESTIONS[] = {
-	{ "in contact?", { 0, 5e-324, 0 }, true },
+	{ "in contact?", lw_range_threshold( 0 ), true },
 	{ "max_d 0.01", { 0, 0.01, 0 }, false },
 	{ "max_d 0.05", { 0, 0.05, 0 }, false },
 	{ "max_d 0.2", { 0, 0.2, 0 }, false },

@@ -184,17 +184,16 @@ private:
 	/// A collision at q ends the proof.
 	lw_status lookAt( const State& q )
 	{
-		const lw_range range = { m_def.min_d, std::nextafter( m_def.min_d, HUGE_VAL ), 0 };
-		lw_state_result state;
-		const lw_status status = lw_checker_state( m_checker, m_query, q.data(), m_def.flags, &range, true, &state );
+		bool free = false;
+		lw_state_reason reason;
+		const lw_status status = lw_checker_is_free( m_checker, m_query, q.data(), m_def.flags, m_def.min_d, &free, &reason );
 		++m_out.queries;
-		if ( status == LW_OK && state.verdict == LW_VERDICT_BLOCKED )
+		if ( reason.verdict == LW_VERDICT_BLOCKED )
 		{
-			const bool environment = state.environment.kind == LW_CLEARANCE_VIOLATION;
 			m_out.verdict = LW_VERDICT_BLOCKED;
 			m_out.q = q;
-			m_out.self = !environment;
-			m_out.pair = environment ? state.environment : state.self;
+			m_out.self = reason.self;
+			m_out.pair = reason.pair;
 		}
 		return status;
 	}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pairs that kept motions from being free: counted from results of edges, which name them anyway; of states, which do not, a part
-// is kept, to be measured only if the search fails.
+// Pairs that kept motions from being free. Results of edges name their pair, and each is counted. States that are not free
+// name none; a sample of them is kept, and lw_checker_is_free() names their pairs if the search fails.
 #pragma once
 
 #include "leeway/planners/stuck.hpp"

@@ -44,7 +44,7 @@ void copyText( const std::string& text, char* out, std::size_t size )
 	out[length] = '\0';
 }
 
-lw_status told( lw_status status, std::uint32_t index, const char* message, lw_diag* diag )
+lw_status reported( lw_status status, std::uint32_t index, const char* message, lw_diag* diag )
 {
 	if ( diag != nullptr )
 	{
@@ -156,7 +156,7 @@ lw_plan_outcome outcomeOf( Outcome outcome )
 
 lw_plan_statistics statisticsOf( const Statistics& s )
 {
-	return { s.samples, s.states, s.states_free, s.looks, s.edges, s.free, s.blocked, s.undecided, s.edge_queries,
+	return { s.samples, s.states, s.states_free, s.lane_states, s.edges, s.free, s.blocked, s.undecided, s.edge_queries,
 	    s.start_nodes, s.goal_nodes };
 }
 
@@ -181,18 +181,6 @@ double* copied( const std::vector<double>& values )
 	return copy;
 }
 
-void addWork( Statistics& sum, const Statistics& more )
-{
-	sum.states += more.states;
-	sum.states_free += more.states_free;
-	sum.looks += more.looks;
-	sum.edges += more.edges;
-	sum.free += more.free;
-	sum.blocked += more.blocked;
-	sum.undecided += more.undecided;
-	sum.edge_queries += more.edge_queries;
-}
-
 void shorten(
     const lw_plan_def& def, lw_query* query, const Clock& clock, Path& path, Statistics& work, lw_plan_result& out )
 {
@@ -207,7 +195,7 @@ void shorten(
 	stop.seconds = std::min( stop.seconds, def.optimize_seconds );
 	OptimizeReport report;
 	requireOk( optimize( def.checker, query, settings, stop, path, &report ), "search for shorter paths" );
-	addWork( work, report.work );
+	work += report.work;
 	std::vector<double> improvements;
 	for ( const Improvement& improvement : report.improvements )
 	{
@@ -391,14 +379,14 @@ extern "C" lw_status lw_plan( const lw_plan_def* def, lw_diag* diag, lw_plan_res
 {
 	if ( out == nullptr )
 	{
-		return told( LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "plan: out is NULL", diag );
+		return reported( LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "plan: out is NULL", diag );
 	}
 	*out = {};
 	const auto failed = [&]( lw_status status, std::uint32_t index, const char* message )
 	{
 		lw_plan_result_clear( out );
 		copyText( message, out->message, sizeof out->message );
-		return told( status, index, message, diag );
+		return reported( status, index, message, diag );
 	};
 	try
 	{
@@ -407,7 +395,7 @@ extern "C" lw_status lw_plan( const lw_plan_def* def, lw_diag* diag, lw_plan_res
 		const Clock clock( *def );
 		plan( *def, clock, *out );
 		out->seconds = clock.passed();
-		return told( LW_OK, LW_INVALID_INDEX, "", diag );
+		return reported( LW_OK, LW_INVALID_INDEX, "", diag );
 	}
 	catch ( const Refusal& refusal )
 	{

@@ -15,30 +15,6 @@ namespace
 
 constexpr int most_edges = 16;       // for one direction of a joint
 constexpr double least_gain = 0.005; // of the travel found so far, for one edge more
-constexpr double state_window = 0.1; // metres above min_d: clearances beyond are not measured
-
-/// The pair of a state that is not free. @return false if none was found
-bool findPair(
-    const lw_checker* checker, lw_query* query, const lw_edge_def& def, const double* q, bool& self, lw_clearance& pair )
-{
-	const lw_range range = { def.min_d, def.min_d + state_window, 0 };
-	lw_state_result state;
-	if ( lw_checker_state( checker, query, q, def.flags, &range, true, &state ) != LW_OK )
-	{
-		return false;
-	}
-	for ( const bool is_self : { false, true } )
-	{
-		const lw_clearance& found = is_self ? state.self : state.environment;
-		if ( found.kind == LW_CLEARANCE_VIOLATION || found.kind == LW_CLEARANCE_UNDECIDED )
-		{
-			self = is_self;
-			pair = found;
-			return true;
-		}
-	}
-	return false;
-}
 
 void sortByCount( std::vector<BlockingPair>& pairs )
 {
@@ -46,8 +22,8 @@ void sortByCount( std::vector<BlockingPair>& pairs )
 	    pairs.begin(), pairs.end(), []( const BlockingPair& x, const BlockingPair& y ) { return x.count() > y.count(); } );
 }
 
-/// Edges from q with variable i moved to its bound: each goes on where the one before is proved to, which is short of the first state
-/// that is not free by a part of the way. @return free travel
+/// Proved free travel of variable i from q towards its bound. Each edge starts at the end of the part that the edge before it
+/// proved (proved_until), since that part ends before the first state that is not free.
 double measureTravel( const lw_checker* checker, lw_query* query, const lw_edge_def& def, const Space& space,
     const double* q, std::size_t i, bool up, Blame& blame )
 {
@@ -97,7 +73,7 @@ EndRoom measureRoom( const lw_checker* checker, lw_query* query, const lw_edge_d
 	lw_edge_def edge = def;
 	edge.want_proved_until = true;
 	Statistics unused;
-	room.free = Judge( checker, query, def, unused ).isStateFree( q );
+	room.free = Validator( checker, query, def, unused ).isStateFree( q );
 	if ( !room.free )
 	{
 		blame.state( q );
@@ -123,15 +99,16 @@ std::vector<BlockingPair> measurePairs(
 	std::vector<BlockingPair> pairs = blame.pairs();
 	for ( std::size_t i = 0; i < blame.keptCount() && !deadline.over(); ++i )
 	{
-		bool self = false;
-		lw_clearance found = lw_clearance_unknown();
-		BlockingPair* pair = findPair( checker, query, def, blame.kept( i ), self, found )
-		                         ? Blame::find( pairs, self, found.a, found.b )
+		bool free = false;
+		lw_state_reason reason;
+		lw_checker_is_free( checker, query, blame.kept( i ), def.flags, def.min_d, &free, &reason );
+		BlockingPair* pair = reason.pair.kind != LW_CLEARANCE_UNKNOWN
+		                         ? Blame::find( pairs, reason.self, reason.pair.a, reason.pair.b )
 		                         : nullptr;
 		if ( pair != nullptr )
 		{
 			pair->states += blame.stride();
-			pair->clearance = std::min( pair->clearance, found.upper );
+			pair->clearance = std::min( pair->clearance, reason.pair.upper );
 		}
 	}
 	sortByCount( pairs );

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "blame.hpp"
-#include "judge.hpp"
+#include "validator.hpp"
 
 #include "leeway/planners/stuck.hpp"
 

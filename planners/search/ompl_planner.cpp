@@ -298,16 +298,16 @@ Outcome OmplPlanner::search( const leeway::ompl::Engine::Lease& lease, Goals& go
 namespace
 {
 
-void countWork( const leeway::ompl::Engine::Lease& lease, const Statistics& now, const Statistics& before = {} )
+void countWork( const leeway::ompl::Engine::Lease& lease, const Statistics& work )
 {
-	leeway::ompl::Counters work;
-	work.states = now.states - before.states;
-	work.edges = now.edges - before.edges;
-	work.free = now.free - before.free;
-	work.blocked = now.blocked - before.blocked;
-	work.undecided = now.undecided - before.undecided;
-	work.edge_queries = now.edge_queries - before.edge_queries;
-	lease.count( work );
+	leeway::ompl::Counters counters;
+	counters.states = work.states;
+	counters.edges = work.edges;
+	counters.free = work.free;
+	counters.blocked = work.blocked;
+	counters.undecided = work.undecided;
+	counters.edge_queries = work.edge_queries;
+	lease.count( counters );
 }
 
 } // namespace
@@ -316,7 +316,7 @@ void countWork( const leeway::ompl::Engine::Lease& lease, const Statistics& now,
 void OmplPlanner::count( const leeway::ompl::Engine::Lease& lease )
 {
 	const Statistics now = m_planner->statistics();
-	countWork( lease, now, m_statistics );
+	countWork( lease, now.since( m_statistics ) );
 	std::vector<BlockingPair> pairs = m_planner->blockingPairs();
 	for ( const BlockingPair& pair : pairs )
 	{

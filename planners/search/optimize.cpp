@@ -5,9 +5,9 @@
 
 #include "cost_tree.hpp"
 #include "ellipsoid.hpp"
-#include "judge.hpp"
 #include "samples.hpp"
 #include "space.hpp"
+#include "validator.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -31,7 +31,7 @@ public:
 	    OptimizeReport& report )
 	    : m_checker( checker ), m_query( query ), m_settings( settings ), m_stop( stop ), m_report( report ),
 	      m_space( checker, settings.search.lower, settings.search.upper ),
-	      m_judge( checker, query, settings.search.edge, report.work ), m_deadline( stop ), m_random( settings.search.seed ),
+	      m_validator( checker, query, settings.search.edge, report.work ), m_deadline( stop ), m_random( settings.search.seed ),
 	      m_path( path ), m_trees{ CostTree( m_space ), CostTree( m_space ) }, m_sample( m_space.size() ),
 	      m_next( m_space.size() ), m_begin( std::chrono::steady_clock::now() )
 	{
@@ -62,7 +62,7 @@ public:
 	}
 
 private:
-	lw_status status() const { return m_judge.status() != LW_OK ? m_judge.status() : m_smoothing; }
+	lw_status status() const { return m_validator.status() != LW_OK ? m_validator.status() : m_smoothing; }
 	bool over() { return m_deadline.over() || status() != LW_OK || m_report.samples >= m_settings.most_samples; }
 
 	double lengthOf( const Path& path ) const
@@ -90,7 +90,7 @@ private:
 			for ( std::size_t i = 0; i < more.size() && !over(); i += m_space.size() )
 			{
 				if ( m_space.firstUnusable( more.data() + i ) == m_space.size() &&
-				     m_space.distance( more.data() + i, own ) > 0 && m_judge.isStateFree( more.data() + i ) )
+				     m_space.distance( more.data() + i, own ) > 0 && m_validator.isStateFree( more.data() + i ) )
 				{
 					m_ends[side].insert( m_ends[side].end(), more.data() + i, more.data() + i + m_space.size() );
 				}
@@ -250,8 +250,8 @@ private:
 	{
 		CostTree& tree = m_trees[side];
 		const double cost = tree.cost( near ) + m_space.distance( tree.state( near ), m_next.data() );
-		if ( cost + toEnd( 1 - side, m_next.data() ) >= m_bound || !m_judge.isStateFree( m_next.data() ) ||
-		     !m_judge.isEdgeFree( tree.state( near ), m_next.data() ) )
+		if ( cost + toEnd( 1 - side, m_next.data() ) >= m_bound || !m_validator.isStateFree( m_next.data() ) ||
+		     !m_validator.isEdgeFree( tree.state( near ), m_next.data() ) )
 		{
 			return CostTree::none;
 		}
@@ -279,7 +279,7 @@ private:
 				return false;
 			}
 		}
-		if ( !m_judge.isEdgeFree( tree.state( node ), other.state( goal ) ) )
+		if ( !m_validator.isEdgeFree( tree.state( node ), other.state( goal ) ) )
 		{
 			return false;
 		}
@@ -336,7 +336,7 @@ private:
 		lw_query_reset( m_query );
 		for ( std::size_t i = 0; i + 1 < path.count(); ++i )
 		{
-			if ( m_space.partCount( path[i], path[i + 1] ) > 1 || !m_judge.isEdgeFree( path[i], path[i + 1] ) )
+			if ( m_space.partCount( path[i], path[i + 1] ) > 1 || !m_validator.isEdgeFree( path[i], path[i + 1] ) )
 			{
 				return false;
 			}
@@ -350,8 +350,8 @@ private:
 	const Stop& m_stop;
 	OptimizeReport& m_report;
 	Space m_space;
-	Judge m_judge;
-	lw_status m_smoothing = LW_OK; ///< of the smoother, which has a judge of its own
+	Validator m_validator;
+	lw_status m_smoothing = LW_OK; ///< of the smoother, which has a validator of its own
 	Deadline m_deadline;
 	Random m_random;
 	Path& m_path;

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The search: see planner.hpp.
 #include "explain.hpp"
-#include "judge.hpp"
 #include "samples.hpp"
 #include "space.hpp"
 #include "tree.hpp"
+#include "validator.hpp"
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 namespace leeway::planners
 {
@@ -94,7 +95,31 @@ double largestRadius( const Space& space )
 	return 0.75 * std::sqrt( square );
 }
 
+constexpr std::uint64_t Statistics::* counts[] = { &Statistics::samples, &Statistics::states, &Statistics::states_free,
+	&Statistics::lane_states, &Statistics::edges, &Statistics::free, &Statistics::blocked, &Statistics::undecided,
+	&Statistics::edge_queries, &Statistics::start_nodes, &Statistics::goal_nodes, &Statistics::passed_over };
+static_assert( sizeof( Statistics ) == std::size( counts ) * sizeof( std::uint64_t ), "a count is not in the list" );
+
 } // namespace
+
+Statistics& Statistics::operator+=( const Statistics& more )
+{
+	for ( const auto count : counts )
+	{
+		this->*count += more.*count;
+	}
+	return *this;
+}
+
+Statistics Statistics::since( const Statistics& before ) const
+{
+	Statistics difference;
+	for ( const auto count : counts )
+	{
+		difference.*count = this->*count - before.*count;
+	}
+	return difference;
+}
 
 const char* name( Outcome outcome )
 {
@@ -128,17 +153,17 @@ struct Planner::Parts
 	}
 
 	Outcome solve( lw_query* query, const Stop& stop );
-	bool addEnds( Judge& judge, Deadline& deadline );
-	bool joinStraight( Judge& judge, Deadline& deadline, std::size_t first_start, std::size_t first_goal );
-	bool isLineFree( Judge& judge, const double* a, const double* b );
-	bool grow( Judge& judge );
-	bool connect( Judge& judge, unsigned from, std::uint32_t node );
-	bool seemsFree( Judge& judge, unsigned step, bool has_new_end );
-	void lookAhead( Judge& judge, const double* goal, unsigned step, unsigned steps );
+	bool addEnds( Validator& validator, Deadline& deadline );
+	bool joinStraight( Validator& validator, Deadline& deadline, std::size_t first_start, std::size_t first_goal );
+	bool isLineFree( Validator& validator, const double* a, const double* b );
+	bool grow( Validator& validator );
+	bool connect( Validator& validator, unsigned from, std::uint32_t node );
+	bool seemsFree( Validator& validator, unsigned step, bool has_new_end );
+	void lookAhead( Validator& validator, const double* goal, unsigned step, unsigned steps );
 	bool proofsWait() const { return late.not_free * least_free_per_failure <= late.free; }
-	std::uint32_t addNode( Judge& judge, Tree& tree, std::uint32_t near, const double* q );
+	std::uint32_t addNode( Validator& validator, Tree& tree, std::uint32_t near, const double* q );
 	std::uint32_t provedFor( const Tree& tree, std::uint32_t node ) const;
-	bool proveBranch( Judge& judge, unsigned side, std::uint32_t node );
+	bool proveBranch( Validator& validator, unsigned side, std::uint32_t node );
 	void findRoots( unsigned side );
 	void drawSample( const Tree& tree );
 	void drawUnit();
@@ -221,10 +246,10 @@ void Planner::Parts::drawSample( const Tree& tree )
 	space.normalise( sample.data() );
 }
 
-bool Planner::Parts::isLineFree( Judge& judge, const double* a, const double* b )
+bool Planner::Parts::isLineFree( Validator& validator, const double* a, const double* b )
 {
 	const auto free = [&]( const double* p, const double* q )
-	{ return judge.seemsFree( space, p, q ) && judge.isEdgeFree( p, q ); };
+	{ return validator.seemsFree( space, p, q ) && validator.isEdgeFree( p, q ); };
 	if ( space.partCount( a, b ) == 1 )
 	{
 		return free( a, b );
@@ -234,7 +259,7 @@ bool Planner::Parts::isLineFree( Judge& judge, const double* a, const double* b 
 }
 
 /// New ends that are free become roots. @return false if the deadline is over
-bool Planner::Parts::addEnds( Judge& judge, Deadline& deadline )
+bool Planner::Parts::addEnds( Validator& validator, Deadline& deadline )
 {
 	for ( unsigned side = 0; side < 2; ++side )
 	{
@@ -242,7 +267,7 @@ bool Planner::Parts::addEnds( Judge& judge, Deadline& deadline )
 		for ( ; used < ends[side].size() && !deadline.over(); used += space.size() )
 		{
 			const double* q = ends[side].data() + used;
-			if ( judge.isStateFree( q ) )
+			if ( validator.isStateFree( q ) )
 			{
 				roots[side].push_back( trees[side].add( q, no_node ) );
 			}
@@ -258,7 +283,7 @@ bool Planner::Parts::addEnds( Judge& judge, Deadline& deadline )
 }
 
 /// Straight edges between roots of which at least one is new.
-bool Planner::Parts::joinStraight( Judge& judge, Deadline& deadline, std::size_t first_start, std::size_t first_goal )
+bool Planner::Parts::joinStraight( Validator& validator, Deadline& deadline, std::size_t first_start, std::size_t first_goal )
 {
 	for ( std::size_t s = 0; s < roots[0].size(); ++s )
 	{
@@ -266,7 +291,7 @@ bool Planner::Parts::joinStraight( Judge& judge, Deadline& deadline, std::size_t
 		{
 			const double *a = trees[0].state( roots[0][s] ), *b = trees[1].state( roots[1][g] );
 			gap = std::min( gap, space.distance( a, b ) );
-			if ( isLineFree( judge, a, b ) )
+			if ( isLineFree( validator, a, b ) )
 			{
 				if ( space.partCount( a, b ) > 1 )
 				{
@@ -284,18 +309,18 @@ bool Planner::Parts::joinStraight( Judge& judge, Deadline& deadline, std::size_t
 }
 
 /// The next steps from `from` to a goal, by their quarters, in one look.
-void Planner::Parts::lookAhead( Judge& judge, const double* goal, unsigned step, unsigned steps )
+void Planner::Parts::lookAhead( Validator& validator, const double* goal, unsigned step, unsigned steps )
 {
 	const unsigned count = std::min( lanes, ( steps - step ) * quarters );
 	for ( unsigned i = 0; i < count; ++i )
 	{
 		space.between( from.data(), goal, ( step + ( i + 1.0 ) / quarters ) / steps, ahead.data() + i * space.size() );
 	}
-	judge.look( ahead.data(), count, false, seen );
+	validator.look( ahead.data(), count, false, seen );
 }
 
 /// Does one of these steps seem free? Its end is, if that is new.
-bool Planner::Parts::seemsFree( Judge& judge, unsigned step, bool has_new_end )
+bool Planner::Parts::seemsFree( Validator& validator, unsigned step, bool has_new_end )
 {
 	const Seen* mine = seen + step * quarters;
 	if ( anyBlocked( mine, quarters ) )
@@ -305,7 +330,7 @@ bool Planner::Parts::seemsFree( Judge& judge, unsigned step, bool has_new_end )
 	for ( const unsigned i : { 3u, 1u, 0u, 2u } )
 	{
 		const double* q = ahead.data() + ( step * quarters + i ) * space.size();
-		if ( ( i == quarters - 1 ? has_new_end : judge.needsStates() ) && !judge.isFree( q, mine[i] ) )
+		if ( ( i == quarters - 1 ? has_new_end : validator.needsStates() ) && !validator.isFree( q, mine[i] ) )
 		{
 			return false;
 		}
@@ -317,10 +342,10 @@ bool Planner::Parts::seemsFree( Judge& judge, unsigned step, bool has_new_end )
 /// `waiting_edges` further on, or a path passes through it: most nodes stay leaves. Where obstacles are so thin that such proofs often
 /// fail, it waits no longer.
 /// @return no_node if not
-std::uint32_t Planner::Parts::addNode( Judge& judge, Tree& tree, std::uint32_t near, const double* q )
+std::uint32_t Planner::Parts::addNode( Validator& validator, Tree& tree, std::uint32_t near, const double* q )
 {
 	const bool waits = proofsWait();
-	if ( !waits && !judge.isEdgeFree( tree.state( near ), q ) )
+	if ( !waits && !validator.isEdgeFree( tree.state( near ), q ) )
 	{
 		return no_node;
 	}
@@ -344,7 +369,7 @@ std::uint32_t Planner::Parts::provedFor( const Tree& tree, std::uint32_t node ) 
 }
 
 /// Proves all edges from the root to a node. An edge that is not FREE is removed with all nodes behind it: numbers of nodes change.
-bool Planner::Parts::proveBranch( Judge& judge, unsigned side, std::uint32_t node )
+bool Planner::Parts::proveBranch( Validator& validator, unsigned side, std::uint32_t node )
 {
 	Tree& tree = trees[side];
 	branch.clear();
@@ -355,7 +380,7 @@ bool Planner::Parts::proveBranch( Judge& judge, unsigned side, std::uint32_t nod
 	for ( ; !branch.empty(); branch.pop_back() )
 	{
 		const std::uint32_t below = branch.back();
-		if ( !judge.isEdgeFree( tree.state( tree.parent( below ) ), tree.state( below ) ) )
+		if ( !validator.isEdgeFree( tree.state( tree.parent( below ) ), tree.state( below ) ) )
 		{
 			++late.not_free;
 			tree.cut( below );
@@ -383,12 +408,12 @@ void Planner::Parts::findRoots( unsigned side )
 
 /// Draws up to `lanes` samples near the smaller tree and checks the ends of its edges towards them in one look. Free ends become nodes;
 /// each node then tries to reach the other tree. @return true if the trees met
-bool Planner::Parts::grow( Judge& judge )
+bool Planner::Parts::grow( Validator& validator )
 {
 	const unsigned side = trees[0].size() <= trees[1].size() ? 0 : 1;
 	Tree& tree = trees[side];
 	Seen ends_seen[lanes];
-	const auto count = judge.looksDecide() ? static_cast<unsigned>( std::min<std::size_t>( lanes, tree.size() ) ) : 1;
+	const auto count = validator.looksDecide() ? static_cast<unsigned>( std::min<std::size_t>( lanes, tree.size() ) ) : 1;
 	for ( unsigned i = 0; i < count; ++i )
 	{
 		drawSample( tree );
@@ -398,22 +423,22 @@ bool Planner::Parts::grow( Judge& judge )
 		    tree.state( nears[i] ), sample.data(), std::min( 1.0, range / distance ), ends_ahead.data() + i * space.size() );
 	}
 	growth[side].tries += count;
-	judge.look( ends_ahead.data(), count, false, ends_seen );
+	validator.look( ends_ahead.data(), count, false, ends_seen );
 	const std::uint64_t before = cuts;
 	for ( unsigned i = 0; i < count && cuts == before; ++i )
 	{
 		const double* q = ends_ahead.data() + i * space.size();
-		if ( ends_seen[i].verdict == LW_VERDICT_BLOCKED || !proveBranch( judge, side, provedFor( tree, nears[i] ) ) ||
-		     !judge.isFree( q, ends_seen[i] ) )
+		if ( ends_seen[i].verdict == LW_VERDICT_BLOCKED || !proveBranch( validator, side, provedFor( tree, nears[i] ) ) ||
+		     !validator.isFree( q, ends_seen[i] ) )
 		{
 			continue;
 		}
 		const std::uint32_t node =
-		    judge.seemsFree( space, tree.state( nears[i] ), q ) ? addNode( judge, tree, nears[i], q ) : no_node;
+		    validator.seemsFree( space, tree.state( nears[i] ), q ) ? addNode( validator, tree, nears[i], q ) : no_node;
 		if ( node != no_node )
 		{
 			++growth[side].grown;
-			if ( connect( judge, side, node ) )
+			if ( connect( validator, side, node ) )
 			{
 				return true;
 			}
@@ -423,7 +448,7 @@ bool Planner::Parts::grow( Judge& judge )
 }
 
 /// Steps of equal length from a new node to the nearest node of the other tree, until one fails.
-bool Planner::Parts::connect( Judge& judge, unsigned side, std::uint32_t node )
+bool Planner::Parts::connect( Validator& validator, unsigned side, std::uint32_t node )
 {
 	Tree &tree = trees[side], &other = trees[1 - side];
 	const std::uint32_t goal = other.nearest( tree.state( node ) );
@@ -435,9 +460,9 @@ bool Planner::Parts::connect( Judge& judge, unsigned side, std::uint32_t node )
 	{
 		if ( step % steps_ahead == 0 )
 		{
-			lookAhead( judge, other.state( goal ), step, steps );
+			lookAhead( validator, other.state( goal ), step, steps );
 		}
-		if ( !seemsFree( judge, step % steps_ahead, step + 1 < steps ) )
+		if ( !seemsFree( validator, step % steps_ahead, step + 1 < steps ) )
 		{
 			return false;
 		}
@@ -446,15 +471,15 @@ bool Planner::Parts::connect( Judge& judge, unsigned side, std::uint32_t node )
 			break;
 		}
 		const double* q = ahead.data() + ( step % steps_ahead + 1 ) * quarters * space.size() - space.size();
-		node = addNode( judge, tree, node, q );
+		node = addNode( validator, tree, node, q );
 		if ( node == no_node )
 		{
 			return false;
 		}
 		gap = std::min( gap, distance * ( steps - step - 1 ) / steps );
 	}
-	if ( !judge.isEdgeFree( tree.state( node ), other.state( goal ) ) || !proveBranch( judge, side, node ) ||
-	     !proveBranch( judge, 1 - side, goal ) )
+	if ( !validator.isEdgeFree( tree.state( node ), other.state( goal ) ) || !proveBranch( validator, side, node ) ||
+	     !proveBranch( validator, 1 - side, goal ) )
 	{
 		return false;
 	}
@@ -501,17 +526,17 @@ Outcome Planner::Parts::solve( lw_query* query, const Stop& stop )
 		return Outcome::SOLVED;
 	}
 	lw_query_reset( query );
-	Judge judge( checker.get(), query, settings.edge, statistics, &blame );
+	Validator validator( checker.get(), query, settings.edge, statistics, &blame );
 	Deadline deadline( stop );
 	const std::size_t old_starts = roots[0].size(), old_goals = roots[1].size();
 	const auto ended = [&]( Outcome outcome )
 	{
-		failure = judge.status();
+		failure = validator.status();
 		statistics.start_nodes = trees[0].size();
 		statistics.goal_nodes = trees[1].size();
 		return failure != LW_OK ? Outcome::FAILED : outcome;
 	};
-	if ( !addEnds( judge, deadline ) )
+	if ( !addEnds( validator, deadline ) )
 	{
 		return ended( deadline.outcome() );
 	}
@@ -521,14 +546,14 @@ Outcome Planner::Parts::solve( lw_query* query, const Stop& stop )
 		problem = problem.empty() ? ( start ? "no start was given" : "no goal was given" ) : problem;
 		return ended( start ? Outcome::NO_START : Outcome::NO_GOAL );
 	}
-	bool met = joinStraight( judge, deadline, old_starts, old_goals );
-	while ( !met && !deadline.over() && judge.status() == LW_OK )
+	bool met = joinStraight( validator, deadline, old_starts, old_goals );
+	while ( !met && !deadline.over() && validator.status() == LW_OK )
 	{
 		if ( nodeCount() >= settings.most_nodes )
 		{
 			return ended( Outcome::NODES_FULL );
 		}
-		met = grow( judge );
+		met = grow( validator );
 	}
 	return ended( met ? Outcome::SOLVED : deadline.outcome() );
 }

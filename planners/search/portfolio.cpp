@@ -250,19 +250,7 @@ Statistics Portfolio::statistics() const
 	Statistics sum;
 	for ( const Planner& planner : m_planners )
 	{
-		const Statistics& s = planner.statistics();
-		sum.samples += s.samples;
-		sum.states += s.states;
-		sum.states_free += s.states_free;
-		sum.looks += s.looks;
-		sum.passed_over += s.passed_over;
-		sum.edges += s.edges;
-		sum.free += s.free;
-		sum.blocked += s.blocked;
-		sum.undecided += s.undecided;
-		sum.edge_queries += s.edge_queries;
-		sum.start_nodes += s.start_nodes;
-		sum.goal_nodes += s.goal_nodes;
+		sum += planner.statistics();
 	}
 	return sum;
 }

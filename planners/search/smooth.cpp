@@ -3,9 +3,9 @@
 // cut at midpoints are a step of Chaikin's subdivision, whose limit is a quadratic B-spline.
 #include "leeway/planners/smooth.hpp"
 
-#include "judge.hpp"
 #include "samples.hpp"
 #include "space.hpp"
+#include "validator.hpp"
 
 #include <algorithm>
 
@@ -32,7 +32,7 @@ class Smoother
 public:
 	Smoother( const lw_checker* checker, lw_query* query, const SmoothSettings& settings, const Stop& stop, Path& path,
 	    Statistics& statistics )
-	    : m_settings( settings ), m_space( Space::ofLimits( checker ) ), m_judge( checker, query, settings.edge, statistics ),
+	    : m_settings( settings ), m_space( Space::ofLimits( checker ) ), m_validator( checker, query, settings.edge, statistics ),
 	      m_deadline( stop ), m_random( settings.seed ), m_path( path )
 	{
 	}
@@ -56,7 +56,7 @@ public:
 		{
 			joinStates();
 		}
-		return m_judge.status();
+		return m_validator.status();
 	}
 
 	double total() const
@@ -70,12 +70,12 @@ public:
 	}
 
 private:
-	bool over() { return m_deadline.over() || m_judge.status() != LW_OK; }
+	bool over() { return m_deadline.over() || m_validator.status() != LW_OK; }
 
 	/// Two of three long shortcuts fail, nearly all of them at one of the states that are looked at first.
 	bool isFree( const double* a, const double* b )
 	{
-		return m_space.partCount( a, b ) == 1 && m_judge.seemsFree( m_space, a, b ) && m_judge.isEdgeFree( a, b );
+		return m_space.partCount( a, b ) == 1 && m_validator.seemsFree( m_space, a, b ) && m_validator.isEdgeFree( a, b );
 	}
 
 	/// Replaces the states strictly between `first` and `last` by the given ones.
@@ -205,7 +205,7 @@ private:
 
 	const SmoothSettings& m_settings;
 	Space m_space;
-	Judge m_judge;
+	Validator m_validator;
 	Deadline m_deadline;
 	Random m_random;
 	Path& m_path;

@@ -119,7 +119,7 @@ private:
 	bool isFree( const std::vector<double>& q )
 	{
 		bool free = false;
-		require( lw_checker_is_free( m_problem.checker.get(), m_query, q.data(), m_settings.flags, m_settings.min_d, &free ), "a state" );
+		require( lw_checker_is_free( m_problem.checker.get(), m_query, q.data(), m_settings.flags, m_settings.min_d, &free, nullptr ), "a state" );
 		return free;
 	}
 

@@ -399,7 +399,7 @@ TEST_P( CertifiedMotion, ValidMotionsAreFreeWithinTheirTolerance )
 					q[v] += ( 1 - 1e-9 ) * options.tolerance[v] * ( rng.integer( 0, 1 ) ? 1 : -1 );
 				}
 				bool free = false;
-				ASSERT_EQ( lw_checker_is_free( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, 0, &free ), LW_OK );
+				ASSERT_EQ( lw_checker_is_free( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, 0, &free, nullptr ), LW_OK );
 				ASSERT_TRUE( free ) << "beside t = " << until * k / 40;
 			}
 		}

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checks the rooms of a source folder: includes and calls only point down.
+"""Checks the rooms of a source folder: includes and calls only point down, and files of a room do not call each other in a circle.
 
     rooms.py --build build            # all houses; exit status 1 if a rule is broken
     rooms.py --build build --write    # and puts the picture of core/src into core/docs/README.md
 
 A house is a folder whose subfolders are rooms, listed below from the ground floor up. A file may include headers of its own room
-and of the rooms before it in the list. In the core, whose objects are in the build folder, the same holds for calls.
+and of the rooms before it in the list. In the core, whose objects are in the build folder, the same holds for calls; and the calls
+between files of one room have no circle, except for the rooms in House.circles.
 """
 import argparse
 import dataclasses
@@ -24,6 +25,7 @@ class House:
     folder: str
     rooms: list  # (name, contents), ground floor first
     objects: str = ""  # folder of its objects below the build folder
+    circles: tuple = ()  # rooms whose files may call each other in a circle
     public: dict = dataclasses.field(default_factory=dict)  # room of the installed headers leeway/KEY/*, where the names differ
 
 
@@ -41,7 +43,7 @@ HOUSES = [
         ("motion", "are all states of an edge free?"),
         ("approximate", "simplification, enclosing spheres: offline, no room includes it"),
         ("blob", "shapes and reachability as bytes"),
-    ], "core/CMakeFiles/leeway_core.dir/src"),
+    ], "core/CMakeFiles/leeway_core.dir/src", ("motion", "shape")),
     House("ompl_bridge/src/io", [
         ("base", "errors, limits, names, paths of packages; bytes, XML and YAML"),
         ("cache", "the cache folder and the format of its files"),
@@ -117,6 +119,41 @@ def calls(listings):
                 yield room, name, owner[symbol][0], f"{symbol} ({owner[symbol][1]})"
 
 
+def circles(listings):
+    """(room, files) for each largest set of files of a room that call each other in a circle: strong components (Tarjan 1972)."""
+    files = {place: set() for place in listings}
+    read = {place: symbols(text) for place, text in listings.items()}
+    owner = {name: place for place, (defined, _) in read.items() for name in defined}
+    for place, (_, needed) in read.items():
+        files[place] = {owner[symbol] for symbol in needed if symbol in owner and owner[symbol][0] == place[0]} - {place}
+    number, lowest, stack, found = {}, {}, [], []
+
+    def visit(place):
+        number[place] = lowest[place] = len(number)
+        stack.append(place)
+        for other in sorted(files[place]):
+            if other not in number:
+                visit(other)
+            if other in stack:
+                lowest[place] = min(lowest[place], lowest[other])
+        if lowest[place] == number[place]:
+            at = stack.index(place)
+            component = sorted(name for _, name in stack[at:])
+            del stack[at:]
+            if len(component) > 1:
+                found.append((place[0], component))
+
+    for place in sorted(files):
+        if place not in number:
+            visit(place)
+    return found
+
+
+def circle_problems(house, listings):
+    return [f"{house.folder}/{room}: {', '.join(names)} call each other in a circle; move a function or a file, so that calls go one way"
+            for room, names in circles(listings) if room not in house.circles]
+
+
 def listings_of(root, build, house):
     base = build / house.objects
     listings = {}
@@ -165,15 +202,17 @@ def picture(house, placed, arrows):
 
 
 def survey(root, build, house):
-    """Files and arrows of a house."""
+    """Files and arrows of a house, and what is wrong with calls between files of a room."""
     placed = list(files_of(root, house))
     arrows = [("includes", *arrow) for arrow in includes(root, house)]
+    wrong = []
     if house.objects:
         listings = listings_of(root, build, house)
         if not listings:
             sys.exit(f"{build / house.objects}: there are no objects; build leeway_core first")
         arrows += [("calls", *arrow) for arrow in calls(listings)]
-    return placed, arrows
+        wrong = circle_problems(house, listings)
+    return placed, arrows, wrong
 
 
 def main():
@@ -184,8 +223,8 @@ def main():
     root = pathlib.Path(__file__).resolve().parents[2]
     found = []
     for house in HOUSES:
-        placed, arrows = survey(root, arguments.build, house)
-        found += problems_of(house, placed, arrows)
+        placed, arrows, wrong = survey(root, arguments.build, house)
+        found += problems_of(house, placed, arrows) + wrong
         if house.objects:
             page = root / "core/docs/README.md"
             text = page.read_text()
@@ -195,7 +234,7 @@ def main():
                 page.write_text(text[:begin] + drawn + text[end:])
             elif shape_of(text[begin:end]) != shape_of(drawn):
                 found.append("core/docs/README.md: its picture of the rooms is not today's; run tests/rooms/rooms.py --build ... --write")
-    print("\n".join(found) if found else f"{len(HOUSES)} houses, every arrow points down")
+    print("\n".join(found) if found else f"{len(HOUSES)} houses, every arrow points down, no circles")
     return 1 if found else 0
 
 

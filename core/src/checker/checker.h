@@ -76,6 +76,11 @@ static inline double lwi_lowest_environment( const lw_checker* checker )
 	return checker->margins != NULL ? -checker->margins->largest : 0;
 }
 
+/// Allocates the arrays of a checker with its base, scene and allowed_count. @return false without memory
+bool lwi_checker_allocate( lw_checker* checker );
+/// Frees a checker; members that were not made yet are NULL.
+void lwi_checker_free( lw_checker* checker );
+
 /// Computes the static poses, unless the query holds this checker's poses already.
 void lwi_checker_bind( const lw_checker* checker, lw_query* query );
 

@@ -29,8 +29,8 @@ static void search_environment_pair( const lw_checker* checker, lw_query* query,
 /// @param whole the query covers everything, static bodies included
 static void choose_obstacles( const lw_checker* checker, lw_query* query, const lw_range* range, bool whole )
 {
-	bool enough = range->max_d <= checker->culling.horizon || ( whole && checker->culling.is_complete );
-	query->pose.near = query->pose.within && enough;
+	bool within_horizon = range->max_d <= checker->culling.horizon || ( whole && checker->culling.is_complete );
+	query->pose.near = query->pose.within && within_horizon;
 }
 
 /// Number of blocks of the chosen obstacles.

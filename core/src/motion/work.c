@@ -121,29 +121,26 @@ static void halve( lwi_edge* e, uint32_t at, uint32_t count, uint32_t open, bool
 
 bool lwi_edge_state_is_free( lwi_edge* e, double t )
 {
-	// an empty range of interest: is it above min_d or not
-	lw_range range = { e->def->min_d, nextafter( e->def->min_d, INFINITY ), 0 };
-	lw_state_result state;
+	bool free;
+	lw_state_reason reason;
 	e->out->queries += t == e->poses.posed_t ? 0 : 1;
 	lwi_edge_set_posed( e, NAN );
-	if ( lw_checker_state( e->checker, e->query, lwi_path_state( e, t ), e->def->flags, &range, true, &state ) != LW_OK )
+	if ( lw_checker_is_free( e->checker, e->query, lwi_path_state( e, t ), e->def->flags, e->def->min_d, &free, &reason ) != LW_OK )
 	{
 		e->failed = true;
 		e->failure = e->query->search.failure;
 		return false;
 	}
-	lwi_edge_set_posed( e, t ); // lw_checker_state has posed the query
+	lwi_edge_set_posed( e, t ); // lw_checker_is_free() has posed the query
 	lw_edge_result* out = e->out;
-	if ( state.verdict == LW_VERDICT_BLOCKED || ( state.verdict != LW_VERDICT_FREE && out->verdict != LW_VERDICT_BLOCKED ) )
+	if ( reason.verdict == LW_VERDICT_BLOCKED || ( !free && out->verdict != LW_VERDICT_BLOCKED ) )
 	{
-		bool environment = state.environment.kind == LW_CLEARANCE_VIOLATION ||
-						   ( state.environment.kind == LW_CLEARANCE_UNDECIDED && state.self.kind != LW_CLEARANCE_VIOLATION );
-		out->verdict = state.verdict;
+		out->verdict = reason.verdict;
 		out->t = t;
-		out->self = !environment;
-		out->pair = environment ? state.environment : state.self;
+		out->self = reason.self;
+		out->pair = reason.pair;
 	}
-	return state.verdict == LW_VERDICT_FREE;
+	return free;
 }
 
 /// States of a proof are fewer than 2^k of at least V / slack; 2 V / slack + 2 are promised.
@@ -348,7 +345,7 @@ bool lwi_edge_prove( lwi_edge* e )
 		double proved = INFINITY; // nothing was to be measured
 		if ( e->pairs.spare < INFINITY )
 		{
-			proved = lwi_larger( nextafter( e->def->min_d + e->pairs.spare, 0 ), nextafter( e->def->min_d, INFINITY ) );
+			proved = lwi_larger( nextafter( e->def->min_d + e->pairs.spare, 0 ), lw_range_threshold( e->def->min_d ).max_d );
 		}
 		e->out->lower_bound = lwi_smaller( lwi_smaller( lwi_edge_static_lower( e ), e->pairs.apart ), proved );
 	}

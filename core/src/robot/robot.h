@@ -95,6 +95,10 @@ lw_body_def lwi_robot_take_body( const lw_body_def* def );
 
 /// Links in topological order (parents first): [link_count], owned by the robot.
 const uint32_t* lwi_robot_link_order( const lw_robot* robot );
+/// Lowest common ancestor of two links.
+uint32_t lwi_robot_common_ancestor( const lw_robot* robot, uint32_t link_a, uint32_t link_b );
+/// The robot without any attached objects: itself if it has none. Owned by `robot`.
+const lw_robot* lwi_robot_bare( const lw_robot* robot );
 
 /// One value of lw_robot_default_state().
 double lwi_robot_default_value( const lw_robot* robot, uint32_t variable );

@@ -24,32 +24,32 @@ constexpr std::size_t block_of_motions = 16;
 }
 
 /// Settings that all motions of a batch share.
-struct Judge
+struct EdgeOptions
 {
 	lw_edge_def def = lw_edge_def_default();
 	Doubles tolerance; ///< keeps def.tolerance alive
 };
 
-Judge judgeOf( const PyChecker& checker, double min_d, double slack, const std::string& check, const nb::object& step,
+EdgeOptions edgeOptions( const PyChecker& checker, double min_d, double slack, const std::string& check, const nb::object& step,
     const nb::object& tolerance, bool proved_until, double alpha = lw_edge_def_default().alpha )
 {
-	Judge judge;
-	judge.def.alpha = alpha;
-	judge.def.min_d = min_d;
-	judge.def.slack = slack;
-	judge.def.flags = checkFlags( check );
-	judge.def.want_proved_until = proved_until;
+	EdgeOptions options;
+	options.def.alpha = alpha;
+	options.def.min_d = min_d;
+	options.def.slack = slack;
+	options.def.flags = checkFlags( check );
+	options.def.want_proved_until = proved_until;
 	if ( !step.is_none() )
 	{
-		judge.def.method = LW_EDGE_STEPS;
-		judge.def.max_d = nb::cast<double>( step );
+		options.def.method = LW_EDGE_STEPS;
+		options.def.max_d = nb::cast<double>( step );
 	}
 	if ( !tolerance.is_none() )
 	{
-		judge.tolerance = nb::cast<Doubles>( tolerance );
-		judge.def.tolerance = vectorOf( judge.tolerance, checker.variables(), "tolerance", "variables of the group" );
+		options.tolerance = nb::cast<Doubles>( tolerance );
+		options.def.tolerance = vectorOf( options.tolerance, checker.variables(), "tolerance", "variables of the group" );
 	}
-	return judge;
+	return options;
 }
 
 /// Arrays of results, one entry for each motion.
@@ -130,10 +130,10 @@ nb::object edges( const PyChecker& checker, const Doubles& a, const Doubles& b, 
 	{
 		refuse( "a and b: " + std::to_string( from.count ) + " states beside " + std::to_string( to.count ) );
 	}
-	const Judge judge = judgeOf( checker, min_d, slack, check, step, tolerance, proved_until, alpha );
+	const EdgeOptions options = edgeOptions( checker, min_d, slack, check, step, tolerance, proved_until, alpha );
 	return checkAll( checker, from.count, threads, "edge",
 	    [&]( lw_query* query, std::size_t i, lw_edge_result& r )
-	    { return lw_checker_edge( checker.get(), query, from[i], to[i], &judge.def, &r ); } );
+	    { return lw_checker_edge( checker.get(), query, from[i], to[i], &options.def, &r ); } );
 }
 
 nb::object path( const PyChecker& checker, const Doubles& q, double min_d, double slack, const std::string& check,
@@ -144,10 +144,10 @@ nb::object path( const PyChecker& checker, const Doubles& q, double min_d, doubl
 	{
 		refuse( "q: a path has at least 2 states" );
 	}
-	const Judge judge = judgeOf( checker, min_d, slack, check, step, tolerance, proved_until, alpha );
+	const EdgeOptions options = edgeOptions( checker, min_d, slack, check, step, tolerance, proved_until, alpha );
 	return checkAll( checker, rows.count - 1, threads, "edge",
 	    [&]( lw_query* query, std::size_t i, lw_edge_result& r )
-	    { return lw_checker_edge( checker.get(), query, rows[i], rows[i + 1], &judge.def, &r ); } );
+	    { return lw_checker_edge( checker.get(), query, rows[i], rows[i + 1], &options.def, &r ); } );
 }
 
 nb::object curves( const PyChecker& checker, const Doubles& points, double min_d, double slack, const std::string& check,
@@ -160,26 +160,49 @@ nb::object curves( const PyChecker& checker, const Doubles& points, double min_d
 		refuse( "points: shape " + shapeText( points ) + " is not (n, degree + 1, " + std::to_string( width ) +
 		        ") with a degree of 1 to " + std::to_string( static_cast<int>( LW_CURVE_MOST_DEGREE ) ) );
 	}
-	const Judge judge = judgeOf( checker, min_d, slack, check, nb::none(), tolerance, false );
+	const EdgeOptions options = edgeOptions( checker, min_d, slack, check, nb::none(), tolerance, false );
 	const auto degree = static_cast<std::uint32_t>( points.shape( 1 ) - 1 );
 	const std::size_t size = points.shape( 1 ) * width;
 	const double* data = points.data();
 	return checkAll( checker, points.shape( 0 ), threads, "curve",
 	    [&]( lw_query* query, std::size_t i, lw_edge_result& r )
-	    { return lw_checker_curve( checker.get(), query, data + i * size, degree, &judge.def, &r ); } );
+	    { return lw_checker_curve( checker.get(), query, data + i * size, degree, &options.def, &r ); } );
 }
 
 nb::object trajectory( const PyChecker& checker, const Doubles& times, const nb::object& positions,
     const nb::object& velocities, const nb::object& accelerations, double min_d, double slack, const std::string& check,
     const nb::object& tolerance, unsigned threads )
 {
-	const motions::TrajectoryFile file = trajectoryOf( checker, times, positions, velocities, accelerations );
-	const std::vector<motions::Segment> pieces =
-	    motions::segmentsOf( *checker.problem, file, motions::Interpolation::automatic, 0 );
-	const Judge judge = judgeOf( checker, min_d, slack, check, nb::none(), tolerance, true );
-	return checkAll( checker, pieces.size(), threads, "piece",
+	const Rows q = rowsOf( positions, checker.variables(), "positions", "variables of the group" );
+	const double* t = vectorOf( times, q.count, "times", "seconds, one for each position" );
+	Doubles keep_velocities, keep_accelerations;
+	const Rows v = derivativesOf( velocities, q, "velocities", keep_velocities );
+	const Rows a = derivativesOf( accelerations, q, "accelerations", keep_accelerations );
+	if ( q.count < 2 || ( a.data != nullptr && v.data == nullptr ) )
+	{
+		refuse( "positions: a trajectory has at least 2, and velocities if it has accelerations" );
+	}
+	Pieces pieces;
+	pieces.width = q.width;
+	pieces.count = q.count - 1;
+	pieces.degree = a.data != nullptr ? 5 : v.data != nullptr ? 3 : 1;
+	pieces.points.resize( pieces.count * ( pieces.degree + 1 ) * pieces.width );
+	for ( std::size_t i = 0; i < pieces.count; ++i )
+	{
+		const double h = t[i + 1] - t[i];
+		if ( !( h > 0 ) || !std::isfinite( h ) )
+		{
+			refuse( "times[" + std::to_string( i + 1 ) + "]: is not after the time before it" );
+		}
+		addPiece( h, q, v, a, i, pieces );
+	}
+	const EdgeOptions options = edgeOptions( checker, min_d, slack, check, nb::none(), tolerance, true );
+	return checkAll( checker, pieces.count, threads, "piece",
 	    [&]( lw_query* query, std::size_t i, lw_edge_result& r )
-	    { return lw_checker_curve( checker.get(), query, pieces[i].points.data(), pieces[i].degree, &judge.def, &r ); } );
+	    {
+		    return lw_checker_curve(
+		        checker.get(), query, pieces[i], static_cast<std::uint32_t>( pieces.degree ), &options.def, &r );
+	    } );
 }
 
 } // namespace

@@ -4,8 +4,10 @@
 
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace leeway::python
 {
@@ -118,13 +120,17 @@ nb::object isFree( const PyChecker& checker, const Doubles& q, double min_d, con
 	    [&]( lw_query* query, std::size_t begin, std::size_t end )
 	    {
 		    const auto count = static_cast<std::uint32_t>( end - begin );
-		    if ( lw_checker_states( checker.get(), query, rows[begin], count, flags, min_d, free.data + begin ) == LW_OK )
+		    std::vector<lw_verdict> verdicts( count );
+		    if ( lw_checker_states( checker.get(), query, rows[begin], count, flags, min_d, LW_STATES_FULL, verdicts.data(),
+		             nullptr ) == LW_OK )
 		    {
+			    std::transform( verdicts.begin(), verdicts.end(), free.data + begin,
+			        []( lw_verdict verdict ) { return verdict == LW_VERDICT_FREE; } );
 			    return;
 		    }
 		    for ( std::size_t i = begin; i < end; ++i ) // one of these is bad
 		    {
-			    const lw_status status = lw_checker_is_free( checker.get(), query, rows[i], flags, min_d, free.data + i );
+			    const lw_status status = lw_checker_is_free( checker.get(), query, rows[i], flags, min_d, free.data + i, nullptr );
 			    if ( status != LW_OK )
 			    {
 				    failState( status, rows, i );

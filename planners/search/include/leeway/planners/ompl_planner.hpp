@@ -82,7 +82,7 @@ private:
 	mutable std::vector<::ompl::base::State*> m_states; ///< handed out by getPlannerData()
 };
 
-/// Settings with the engine's judge of motions and the bounds of its space.
+/// Settings with the engine's edge options and the bounds of its space.
 /// @throws InputError for a space with rotations
 Settings settingsOf( const leeway::ompl::Engine& engine );
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Shorter and shorter paths for as long as there is time, each edge judged by lw_checker_edge().
+// Shorter and shorter paths for as long as there is time, each edge validated by lw_checker_edge().
 //
 //     planner.solve( query );
 //     leeway::planners::Path path = planner.path();
@@ -19,7 +19,7 @@ namespace leeway::planners
 
 struct OptimizeSettings
 {
-	/// Judge, range, seed and bounds, as for Planner; most_nodes, samples and sample_radius are not used.
+	/// Edge options, range, seed and bounds, as for Planner; most_nodes, samples and sample_radius are not used.
 	Settings search;
 	std::uint64_t most_samples = UINT64_MAX; ///< of all searches together; a limit that gives equal seeds equal paths
 	double local_share = 0.5; ///< [0, 1] of the samples that lie near a node; the others lie anywhere in the informed set
@@ -46,12 +46,12 @@ struct OptimizeReport
 
 /// Repeats a search of two trees between the ends. Each node has the length of its branch; it is added only if a straight line from it to
 /// the other side would make a path shorter than the best. Samples lie in the informed set of the best path. Each path found is smoothed,
-/// and taken if all of its edges are judged FREE once more, in their order. With time the lengths come near to the shortest; no number says how near.
+/// and taken if all of its edges are validated once more, in their order. With time the lengths come near to the shortest; no number says how near.
 /// The length is that of length(): Euclidean.
 ///
 /// Deterministic by seed if OptimizeSettings::most_samples ends it.
 /// @param query made for the checker; its warm starts are dropped
-/// @param path at least one state; its edges are not judged: they are as good as they were. Replaced by shorter paths, never by a longer one
+/// @param path at least one state; its edges are not validated again. Replaced by shorter paths, never by a longer one
 /// @param stop must end the work, unless most_samples does
 /// @return LW_OK, also if Stop ends it; else the checker's status: the path is the best up to there
 /// @throws InputError as Planner, for settings out of their domain, a path of another dimension, or no limit at all

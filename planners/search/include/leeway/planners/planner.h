@@ -45,7 +45,7 @@ LW_API void lw_plan_request_cancel( lw_plan_cancel* cancel );
 typedef struct lw_plan_statistics
 {
 	uint64_t samples, states, states_free;
-	uint64_t looks; ///< states that were looked at, most of them inside of edges: lw_checker_look()
+	uint64_t lane_states; ///< states checked in the lanes of vectors, most of them inside edges: lw_checker_states()
 	uint64_t edges, free, blocked, undecided; ///< edges = free + blocked + undecided + errors; smoothing included
 	uint64_t edge_queries;                    ///< states at which edges measured distances
 	uint64_t start_nodes, goal_nodes;         ///< of the two trees
@@ -63,7 +63,7 @@ typedef struct lw_plan_def
 	uint32_t goal_count;  ///< at least 1
 	const double* lower;  ///< [n] bounds of samples and ends; NULL = joint limits. Entries of angles that wrap are not used
 	const double* upper;  ///< [n]
-	lw_edge_def edge;     ///< judge of states and motions; margins of the path are its min_d
+	lw_edge_def edge;     ///< how states and edges are validated; its min_d is the clearance that the path keeps
 	double range;         ///< longest edge that a tree grows by, Euclidean, > 0; 0 = a length that suits the robot
 	double sample_radius; ///< samples lie within this many ranges of a node, 6.5; 0 = anywhere in the bounds, as half of the first 64
 	uint64_t seed;        ///< equal seeds give equal paths, unless time or a cancellation ends the work, or threads > 1
@@ -144,7 +144,7 @@ typedef struct lw_plan_result
 	char message[LW_PLAN_MESSAGE]; ///< lines in UTF-8 on an outcome without a path, always terminated; empty if SOLVED
 } lw_plan_result;
 
-/// Searches a path, and smooths it. Each edge of the path is judged FREE by lw_checker_edge() with def->edge: proved for
+/// Searches a path, and smooths it. Each edge of the path is FREE by lw_checker_edge() with def->edge: proved for
 /// LW_EDGE_CERTIFIED, sampled for LW_EDGE_STEPS. Any number of threads may plan with one checker, each with its own query.
 /// @return LW_OK for every outcome but UNKNOWN; LW_ERROR_INVALID_DEF; LW_ERROR_INVALID_ARGUMENT (diag names the field, joint or
 /// end; diag.index is the index of the end); LW_ERROR_OUT_OF_MEMORY; or the status of a check that failed. No C++ exception

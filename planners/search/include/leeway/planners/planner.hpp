@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A planner for joint space: two trees that grow towards each other, every motion judged by lw_checker_edge().
+// A planner for joint space: two trees that grow towards each other; lw_checker_edge() validates every motion.
 //
 //     leeway::planners::Planner planner( checker, {} );
 //     planner.addStart( start );
@@ -50,8 +50,8 @@ struct Path
 
 struct Settings
 {
-	/// The judge of motions: method, margin, slack, clearances (leeway/checker.h). With LW_EDGE_CERTIFIED each edge of a path is
-	/// proved; with LW_EDGE_STEPS it is only sampled.
+	/// How edges are validated: method, margin, slack, clearances (leeway/checker.h). LW_EDGE_CERTIFIED proves each edge of a path;
+	/// LW_EDGE_STEPS only samples it.
 	lw_edge_def edge = lw_edge_def_default();
 	/// Longest edge that a tree grows by, in the metric of Planner::distance(), > 0; 0 = geometricRange().
 	double range = 0;
@@ -94,18 +94,23 @@ const char* name( Outcome outcome );
 struct Statistics
 {
 	std::uint64_t samples = 0, states = 0, states_free = 0;
-	std::uint64_t looks = 0;                                       ///< states that were looked at: lw_checker_look()
+	std::uint64_t lane_states = 0;                                 ///< states checked in the lanes of vectors: lw_checker_states()
 	std::uint64_t edges = 0, free = 0, blocked = 0, undecided = 0; ///< edges = free + blocked + undecided + errors
 	std::uint64_t edge_queries = 0;                                ///< states at which edges measured distances
 	std::uint64_t start_nodes = 0, goal_nodes = 0;
-	std::uint64_t passed_over = 0; ///< states near the scene, undecided by a look, not used since few like them were free
+	std::uint64_t passed_over = 0; ///< states near the scene that lanes left undecided, dropped because few like them were free
+
+	/// Adds all counts.
+	Statistics& operator+=( const Statistics& more );
+	/// Work since an earlier moment of the same search. Nodes may have become fewer: their differences then wrap.
+	Statistics since( const Statistics& before ) const;
 };
 
-/// State of a search, for display.
+/// Progress of a search, for display.
 struct Growth
 {
-	std::size_t start_nodes = 0, goal_nodes = 0; ///< fewer than before if an edge was removed with the nodes behind it
-	double gap = HUGE_VAL; ///< least distance between nodes of the two trees that were seen together; they may be gone since
+	std::size_t start_nodes = 0, goal_nodes = 0; ///< may fall: an edge that is not FREE is removed with all nodes behind it
+	double gap = HUGE_VAL; ///< least distance of a start node and a goal node that the search compared; both may be removed since
 };
 
 /// Length of the longest edge that suits the robot, in the metric of Planner::distance(): a motion of this length in a random
@@ -140,10 +145,10 @@ public:
 	/// @param query made for the checker; its warm starts are dropped, so that equal seeds give equal paths
 	Outcome solve( lw_query* query, const Stop& stop = {} );
 
-	/// After SOLVED: from a start to a goal, each edge judged FREE. Otherwise empty.
+	/// After SOLVED: from a start to a goal, each edge FREE. Otherwise empty.
 	/// Angles that wrap are in [-pi, pi]: unwrap() makes a path that a controller may drive.
 	const Path& path() const;
-	/// From a start to the node of its tree that is nearest to a goal of those with a proved way, each edge judged FREE; empty if no
+	/// From a start to the node of its tree that is nearest to a goal of those with a proved way, each edge FREE; empty if no
 	/// start is free.
 	/// @param distance of its last state to that goal
 	Path approximatePath( double* distance ) const;

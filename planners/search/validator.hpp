@@ -68,11 +68,11 @@ inline bool anyBlocked( const Seen* seen, unsigned count )
 }
 
 /// After an error every answer is "not free".
-class Judge
+class Validator
 {
 public:
 	/// @param blame takes edges and states that are not free; may be null
-	Judge(
+	Validator(
 	    const lw_checker* checker, lw_query* query, const lw_edge_def& def, Statistics& statistics, Blame* blame = nullptr )
 	    : m_checker( checker ), m_query( query ), m_def( def ), m_statistics( statistics ), m_blame( blame )
 	{
@@ -85,7 +85,7 @@ public:
 	{
 		bool free = false;
 		++m_statistics.states;
-		note( lw_checker_is_free( m_checker, m_query, q, flags, m_def.min_d, &free ) );
+		note( lw_checker_is_free( m_checker, m_query, q, flags, m_def.min_d, &free, nullptr ) );
 		m_statistics.states_free += free;
 		if ( !free )
 		{
@@ -105,10 +105,11 @@ public:
 			return;
 		}
 		contact_only = contact_only && looksDecide();
-		m_statistics.looks += count;
+		m_statistics.lane_states += count;
 		lw_verdict verdicts[lanes];
 		lw_check_flags open[lanes];
-		note( lw_checker_look( m_checker, m_query, q, count, m_def.flags, m_def.min_d, contact_only, verdicts, open ) );
+		note( lw_checker_states( m_checker, m_query, q, count, m_def.flags, m_def.min_d,
+		    contact_only ? LW_STATES_CONTACT : LW_STATES_LANES, verdicts, open ) );
 		for ( unsigned i = 0; i < count; ++i )
 		{
 			seen[i] = { verdicts[i], open[i], !contact_only && ( open[i] & LW_CHECK_ENVIRONMENT ) != 0 };

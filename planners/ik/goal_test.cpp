@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Constraints of a goal, judged by the forward kinematics of the engine.
-#include "ik/judge.hpp"
+// Constraints of a goal, tested by the forward kinematics of the engine.
+#include "ik/goal_test.hpp"
 
 #include "ik/solver.hpp"
 
@@ -23,7 +23,7 @@ bool within( const Interval& interval, double value )
 
 } // namespace
 
-Judge::Judge( const io::Problem& problem, const io::Request& request, const GoalParts& parts )
+GoalTest::GoalTest( const io::Problem& problem, const io::Request& request, const GoalParts& parts )
     : m_problem( problem ), m_request( request ), m_parts( parts ), m_full( problem.reference ),
       m_links( lw_robot_link_count( problem.robot.get() ) ),
       m_positions( request.goal_positions.begin(), request.goal_positions.end() ),
@@ -31,19 +31,19 @@ Judge::Judge( const io::Problem& problem, const io::Request& request, const Goal
 {
 }
 
-void Judge::place( const double* q )
+void GoalTest::place( const double* q )
 {
 	lw_checker_full_state( m_problem.checker.get(), q, m_full.data() );
 	require( lw_robot_fk( m_problem.robot.get(), m_full.data(), m_links.data() ), "kinematics of a goal state" );
 }
 
-Pose Judge::pose( const io::Frame& frame ) const
+Pose GoalTest::pose( const io::Frame& frame ) const
 {
 	return frame.link == LW_INVALID_INDEX ? toPose( frame.pose ) : toPose( m_links[frame.link] ) * toPose( frame.pose );
 }
 
 /// Metres of the positions, radians of the orientations.
-std::pair<Judge::Numbers, Judge::Numbers> Judge::excesses( const double* q )
+std::pair<GoalTest::Numbers, GoalTest::Numbers> GoalTest::excesses( const double* q )
 {
 	place( q );
 	Numbers metres, radians;
@@ -60,14 +60,14 @@ std::pair<Judge::Numbers, Judge::Numbers> Judge::excesses( const double* q )
 	return { metres, radians };
 }
 
-bool Judge::reaches( const double* q )
+bool GoalTest::reaches( const double* q )
 {
 	const auto [metres, radians] = excesses( q );
 	const auto small = []( double excess ) { return excess <= excess_rounding; };
 	return std::all_of( metres.begin(), metres.end(), small ) && std::all_of( radians.begin(), radians.end(), small );
 }
 
-std::vector<std::string> Judge::violations( const double* q )
+std::vector<std::string> GoalTest::violations( const double* q )
 {
 	const auto [metres, radians] = excesses( q );
 	std::vector<std::string> lines;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Cuts a body's triangles into pieces that single spheres can cover, and finds a site for each.
+// Cuts a body's triangles into fragments that single spheres can cover, and finds a site for each.
 //
 // Ma, Bae, Choi, "3D medial axis point approximation using nearest neighbors and the normal field", 2012 (shrinking
 //   balls); Stolpner, Kry, Siddiqi, "Medial spheres for shape approximation", 2012 (inner medial spheres, dilated, cover a
@@ -18,8 +18,8 @@ enum
 	PLACES = 1 << 15        ///< of sites that are remembered, by where they were found; a power of 2
 };
 
-/// Size of a piece relative to the patch of a plane that a sphere of the site's depth covers, of radius sqrt( 2 d e + e^2 ).
-/// Larger pieces waste the part of a sphere's patch that holds no whole piece; smaller ones cost time in proportion to their
+/// Size of a fragment relative to the patch of a plane that a sphere of the site's depth covers, of radius sqrt( 2 d e + e^2 ).
+/// Larger fragments waste the part of a sphere's patch that holds no whole fragment; smaller ones cost time in proportion to their
 /// square.
 #define PIECE_SHARE 0.3
 /// A ball may reach this share of the excess through the surface while it shrinks: facets of a round body then do not
@@ -30,11 +30,11 @@ enum
 /// Thinner walls have no ball worth a search.
 #define FIRST_LOOK 0.02
 
-/// Pieces in a cell of this share of the excess, and with normals alike, share the sites of the first of them, if these
+/// Fragments in a cell of this share of the excess, and with normals alike, share the sites of the first of them, if these
 /// cover them: of a fine mesh there are many more triangles than it needs sites.
 #define PLACE_SHARE 0.1
 
-/// A cell of pieces, and the sites found for the first of them.
+/// A cell of fragments, and the sites found for the first of them.
 typedef struct place
 {
 	int64_t cell[3];
@@ -47,7 +47,7 @@ typedef struct cutter
 {
 	lwi_body* body;
 	double excess, largest; ///< largest: radius at which balls begin
-	lwi_array* pieces;
+	lwi_array* fragments;
 	lwi_array* sites;
 	place* places; ///< [PLACES]; of two that meet in one the later one stays
 } cutter;
@@ -90,22 +90,22 @@ static double longest_edge( const lw_vec3 v[3], int* at )
 	return longest;
 }
 
-static lwi_piece make_piece( const lw_vec3 v[3], double dilation )
+static lwi_fragment make_fragment( const lw_vec3 v[3], double dilation )
 {
-	lwi_piece piece = { .corner = { v[0], v[1], v[2] }, .dilation = dilation };
-	piece.center = lwi_scale( 1.0 / 3, lwi_add( lwi_add( v[0], v[1] ), v[2] ) );
+	lwi_fragment fragment = { .corner = { v[0], v[1], v[2] }, .dilation = dilation };
+	fragment.center = lwi_scale( 1.0 / 3, lwi_add( lwi_add( v[0], v[1] ), v[2] ) );
 	for ( int k = 0; k < 3; ++k )
 	{
-		piece.size = fmax( piece.size, lwi_distance( piece.center, v[k] ) );
+		fragment.size = fmax( fragment.size, lwi_distance( fragment.center, v[k] ) );
 	}
 	// a little for its length, so that segments and points count too
-	piece.weight = 0.5 * lwi_length( lwi_cross( lwi_sub( v[1], v[0] ), lwi_sub( v[2], v[0] ) ) ) + 1e-6 * piece.size + 1e-12;
-	return piece;
+	fragment.weight = 0.5 * lwi_length( lwi_cross( lwi_sub( v[1], v[0] ), lwi_sub( v[2], v[0] ) ) ) + 1e-6 * fragment.size + 1e-12;
+	return fragment;
 }
 
-static bool covers( const lwi_site* site, double excess, const lwi_piece* piece )
+static bool covers( const lwi_site* site, double excess, const lwi_fragment* fragment )
 {
-	return lwi_piece_reach( piece, site->center ) <= site->depth + excess;
+	return lwi_fragment_reach( fragment, site->center ) <= site->depth + excess;
 }
 
 static double patch_of( const lwi_site* site, double excess )
@@ -113,13 +113,13 @@ static double patch_of( const lwi_site* site, double excess )
 	return sqrt( 2 * fmax( site->depth, 0 ) * excess + excess * excess );
 }
 
-/// The cell of a piece.
-static place place_of( const cutter* cut, const lwi_piece* piece, lw_vec3 normal )
+/// The cell of a fragment.
+static place place_of( const cutter* cut, const lwi_fragment* fragment, lw_vec3 normal )
 {
 	double size = PLACE_SHARE * cut->excess, x = fabs( normal.x ), y = fabs( normal.y ), z = fabs( normal.z );
 	uint32_t facing = x >= y && x >= z ? ( normal.x > 0 ? 1 : 2 ) : y >= z ? ( normal.y > 0 ? 3 : 4 ) : normal.z > 0 ? 5 : 6;
-	return (place){ .cell = { (int64_t)floor( piece->center.x / size ), (int64_t)floor( piece->center.y / size ),
-						(int64_t)floor( piece->center.z / size ) },
+	return (place){ .cell = { (int64_t)floor( fragment->center.x / size ), (int64_t)floor( fragment->center.y / size ),
+						(int64_t)floor( fragment->center.z / size ) },
 		.facing = facing };
 }
 
@@ -134,8 +134,8 @@ static place* remembered( const cutter* cut, const place* p )
 	return &cut->places[hash & ( PLACES - 1 )];
 }
 
-/// True if the first piece of this one's cell has sites, and one of them covers this piece too.
-static bool is_served( const cutter* cut, const place* here, const lwi_piece* piece )
+/// True if the first fragment of this one's cell has sites, and one of them covers this fragment too.
+static bool is_served( const cutter* cut, const place* here, const lwi_fragment* fragment )
 {
 	const place* there = remembered( cut, here );
 	if ( there->facing != here->facing || memcmp( there->cell, here->cell, sizeof( here->cell ) ) != 0 )
@@ -145,7 +145,7 @@ static bool is_served( const cutter* cut, const place* here, const lwi_piece* pi
 	const lwi_site* sites = cut->sites->data;
 	for ( size_t i = there->first; i < there->first + there->count; ++i )
 	{
-		if ( piece->size <= PIECE_SHARE * patch_of( &sites[i], cut->excess ) && covers( &sites[i], cut->excess, piece ) )
+		if ( fragment->size <= PIECE_SHARE * patch_of( &sites[i], cut->excess ) && covers( &sites[i], cut->excess, fragment ) )
 		{
 			return true;
 		}
@@ -153,26 +153,26 @@ static bool is_served( const cutter* cut, const place* here, const lwi_piece* pi
 	return false;
 }
 
-/// Keeps a piece with its site. @return 1 kept, 0 it must be cut, -1 out of memory
-static int keep_piece( const cutter* cut, const lwi_piece* piece )
+/// Keeps a fragment with its site. @return 1 kept, 0 it must be cut, -1 out of memory
+static int keep_fragment( const cutter* cut, const lwi_fragment* fragment )
 {
 	const lw_allocator* memory = &cut->body->memory;
 	lwi_site sites[3];
 	int count = 0;
 	lw_vec3 normal = lwi_cross(
-		lwi_sub( piece->corner[1], piece->corner[0] ), lwi_sub( piece->corner[2], piece->corner[0] ) );
-	place here = place_of( cut, piece, normal );
-	if ( is_served( cut, &here, piece ) )
+		lwi_sub( fragment->corner[1], fragment->corner[0] ), lwi_sub( fragment->corner[2], fragment->corner[0] ) );
+	place here = place_of( cut, fragment, normal );
+	if ( is_served( cut, &here, fragment ) )
 	{
-		return lwi_array_push( cut->pieces, memory, sizeof( lwi_piece ), piece ) ? 1 : -1;
+		return lwi_array_push( cut->fragments, memory, sizeof( lwi_fragment ), fragment ) ? 1 : -1;
 	}
 	double length = lwi_length( normal );
 	for ( int side = 0; side < 2 && length > 0 && cut->body->outer != NULL; ++side )
 	{
 		lw_vec3 n = lwi_scale( ( side == 0 ? -1 : 1 ) / length, normal );
 		// outside of all shells there is no ball to be found, and the search for it would be the longest
-		bool inside = lwi_body_encloses( cut->body, lwi_add_scaled( piece->center, FIRST_LOOK * cut->excess, n ) );
-		count += inside && shrink_ball( cut, piece->center, n, &sites[count] ) ? 1 : 0;
+		bool inside = lwi_body_encloses( cut->body, lwi_add_scaled( fragment->center, FIRST_LOOK * cut->excess, n ) );
+		count += inside && shrink_ball( cut, fragment->center, n, &sites[count] ) ? 1 : 0;
 	}
 	if ( count == 2 && sites[1].depth > sites[0].depth )
 	{
@@ -180,15 +180,15 @@ static int keep_piece( const cutter* cut, const lwi_piece* piece )
 		sites[0] = sites[1];
 		sites[1] = swap;
 	}
-	if ( piece->size > PIECE_SHARE * patch_of( count > 0 ? &sites[0] : &(lwi_site){ .depth = 0 }, cut->excess ) )
+	if ( fragment->size > PIECE_SHARE * patch_of( count > 0 ? &sites[0] : &(lwi_site){ .depth = 0 }, cut->excess ) )
 	{
 		return 0;
 	}
-	if ( count == 0 || !covers( &sites[0], cut->excess, piece ) )
+	if ( count == 0 || !covers( &sites[0], cut->excess, fragment ) )
 	{
 		// on the surface itself: the excess is the radius
-		lwi_site own = { piece->center, lwi_body_depth( cut->body, piece->center, false ) };
-		if ( !covers( &own, 0.9 * cut->excess, piece ) )
+		lwi_site own = { fragment->center, lwi_body_depth( cut->body, fragment->center, false ) };
+		if ( !covers( &own, 0.9 * cut->excess, fragment ) )
 		{
 			return 0;
 		}
@@ -198,7 +198,7 @@ static int keep_piece( const cutter* cut, const lwi_piece* piece )
 		}
 		sites[0] = own;
 	}
-	if ( !lwi_array_push( cut->pieces, memory, sizeof( lwi_piece ), piece ) )
+	if ( !lwi_array_push( cut->fragments, memory, sizeof( lwi_fragment ), fragment ) )
 	{
 		return -1;
 	}
@@ -218,18 +218,18 @@ static int keep_piece( const cutter* cut, const lwi_piece* piece )
 static lw_status too_many( const cutter* cut, lw_diag* diag )
 {
 	return lwi_fail( diag, LW_ERROR_UNSUPPORTED, LW_INVALID_INDEX,
-		"an excess of %g m takes more than %d pieces of this body; allow more", cut->excess, (int)MAX_PIECES );
+		"an excess of %g m takes more than %d fragments of this body; allow more", cut->excess, (int)MAX_PIECES );
 }
 
-/// The size that no piece exceeds: the share of the patch of the deepest point there can be.
-static double largest_piece( const cutter* cut )
+/// The size that no fragment exceeds: the share of the patch of the deepest point there can be.
+static double largest_fragment( const cutter* cut )
 {
 	return PIECE_SHARE * sqrt( 2 * cut->largest * cut->excess + cut->excess * cut->excess );
 }
 
 static lw_status cut_triangle( const cutter* cut, const lw_vec3 triangle[3], double dilation, lw_diag* diag )
 {
-	double most = largest_piece( cut ); // above that size no ball needs to be tried
+	double most = largest_fragment( cut ); // above that size no ball needs to be tried
 	struct
 	{
 		lw_vec3 v[3];
@@ -244,8 +244,8 @@ static lw_status cut_triangle( const cutter* cut, const lw_vec3 triangle[3], dou
 		lw_vec3 v[3] = { stack[height].v[0], stack[height].v[1], stack[height].v[2] };
 		int splits = stack[height].splits, l = 0;
 		longest_edge( v, &l );
-		lwi_piece piece = make_piece( v, dilation );
-		int kept = piece.size > most ? 0 : keep_piece( cut, &piece );
+		lwi_fragment fragment = make_fragment( v, dilation );
+		int kept = fragment.size > most ? 0 : keep_fragment( cut, &fragment );
 		if ( kept < 0 || lwi_body_stopped( cut->body ) )
 		{
 			return LW_ERROR_OUT_OF_MEMORY;
@@ -254,7 +254,7 @@ static lw_status cut_triangle( const cutter* cut, const lw_vec3 triangle[3], dou
 		{
 			continue;
 		}
-		if ( splits == MAX_SPLITS || cut->pieces->count > MAX_PIECES )
+		if ( splits == MAX_SPLITS || cut->fragments->count > MAX_PIECES )
 		{
 			return too_many( cut, diag );
 		}
@@ -277,13 +277,13 @@ static void load_triangle( const lw_shape* mesh, uint32_t triangle, lw_vec3 v[3]
 	}
 }
 
-lw_status lwi_enclose_pieces( lwi_body* body, double excess, lwi_array* pieces, lwi_array* sites, lw_diag* diag )
+lw_status lwi_enclose_fragments( lwi_body* body, double excess, lwi_array* fragments, lwi_array* sites, lw_diag* diag )
 {
 	const lw_shape* mesh = body->surface;
 	lw_shape_info info = lw_shape_get_info( mesh );
-	cutter cut = { body, excess, info.sphere_radius, pieces, sites, NULL };
-	// a piece of size s has an area of at most 1.3 s^2 (the equilateral triangle): a cut into too many pieces is not begun
-	double area = 0, most = largest_piece( &cut );
+	cutter cut = { body, excess, info.sphere_radius, fragments, sites, NULL };
+	// a fragment of size s has an area of at most 1.3 s^2 (the equilateral triangle): a cut into too many fragments is not begun
+	double area = 0, most = largest_fragment( &cut );
 	for ( uint32_t t = 0; t < mesh->item_count; ++t )
 	{
 		lw_vec3 v[3];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The parts that a checker can take over from an earlier one. Design: core/docs/edits.md.
-#ifndef LEEWAY_CHECKER_EDIT_H
-#define LEEWAY_CHECKER_EDIT_H
+#ifndef LEEWAY_CHECKER_REUSE_H
+#define LEEWAY_CHECKER_REUSE_H
 
 #include "checker/culling.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Constraints of a goal, judged by the forward kinematics of the engine: code apart from that of the solver.
+// Constraints of a goal, tested by the forward kinematics of the engine: code apart from that of the solver.
 #pragma once
 
 #include "ik/constraint.hpp"
@@ -12,11 +12,11 @@
 namespace leeway::ik
 {
 
-class Judge
+class GoalTest
 {
 public:
 	/// All three must outlive it.
-	Judge( const io::Problem& problem, const io::Request& request, const GoalParts& parts );
+	GoalTest( const io::Problem& problem, const io::Request& request, const GoalParts& parts );
 
 	/// True if a group state exceeds no position or orientation constraint.
 	bool reaches( const double* q );
