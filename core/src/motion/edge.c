@@ -65,8 +65,7 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	return arena.used;
 }
 
-/// Lays the scratch of the query out. @return false if it is too small
-static bool begin( lwi_edge* edge )
+bool lwi_edge_begin( lwi_edge* edge )
 {
 	lw_query* query = edge->query;
 	if ( lay_out( edge, query->scratch.edge ) > query->capacity.edge_bytes )
@@ -240,7 +239,7 @@ static lw_edge_result unknown( uint32_t queries )
 /// Fills in the verdict of an edge whose inputs are set.
 static lw_status check( lwi_edge* e )
 {
-	if ( !begin( e ) )
+	if ( !lwi_edge_begin( e ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT; // a query that was made without a checker, or for a smaller one
 	}

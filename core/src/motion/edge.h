@@ -215,6 +215,9 @@ typedef struct lwi_edge
 /// many links
 size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies );
 
+/// Lays the scratch of the query out. @return false if it is too small
+bool lwi_edge_begin( lwi_edge* edge );
+
 // --- motion/path.c --------------------------------------------------------------------------------------------------------
 
 typedef enum lwi_path_result
