@@ -99,7 +99,7 @@ typedef struct lwi_cluster_tree
 	lwi_cluster* clusters;         ///< [cluster_count] depth first, parents before children
 	lwi_cluster_angle* angles;     ///< [cluster_count] angles of the joints above the clusters
 	bool can_batch;                ///< each joint above a cluster has one variable
-	lwi_batch_joint* batch_joints; ///< [cluster_count] if so
+	lwi_batch_joint* batch_joints; ///< [cluster_count]
 	uint32_t link_count, body_count;
 	uint32_t* bodies;         ///< [body_count] robot bodies by cluster
 	uint32_t* body_cluster;   ///< [body_count] cluster of a robot body

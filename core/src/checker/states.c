@@ -515,7 +515,7 @@ static bool test_lanes( lane_states* s, const double* q, uint32_t count, lw_chec
 		const double* origin = c->scene->origin;
 		s->scene_size = s->reach + fabs( origin[0] ) + fabs( origin[1] ) + fabs( origin[2] ) + c->scene->extent;
 	}
-	lwi_pose_lanes( c, s->query, NULL );
+	lwi_pose_lanes( c, s->query );
 	if ( ( flags & LW_CHECK_ENVIRONMENT ) != 0 )
 	{
 		primitive_test waiting[MOST_WAITING + 1];

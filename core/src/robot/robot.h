@@ -142,6 +142,8 @@ double lwi_interpolate_variable( const lw_variable_info* info, double a, double 
 /// Angle between two quaternions of any non-zero length as *four-vectors*, the shorter way: in [0, pi / 2]. The rotation
 /// between them is twice this. NaN for a zero or non-finite quaternion.
 double lwi_quaternion_half_angle( const double a[4], const double b[4] );
+/// Angular velocity of the interpolation from a to b, per unit of t, in the frame that both turn into. NaN as above.
+void lwi_quaternion_turn( const double a[4], const double b[4], double turn[3] );
 
 LW_EXTERN_C_END
 

@@ -20,20 +20,13 @@ typedef struct plane_test
 {
 	lwi_edge* edge;
 	const lwi_edge_pair* pair;
-	lwi_edge_window window;
-	const lwi_edge_linear_motion* linear; ///< of both bodies; NULL if one has none
-	double enough;                        ///< clearance that proves the pair, without margins
-	double bulge;  ///< metres: deviation of both paths from the lines between the poses
+	const lwi_window_motion* motion; ///< of both bodies
+	double need;      ///< clearance that proves the pair, without margins
+	double deviation; ///< metres: of both bodies' points from the lines between their poses
 
 	lwi_swept_poses *a, *b;
 	bool swapped; ///< b is the first of the two
 } plane_test;
-
-/// How far both bodies of a pair get from straight lines between their poses, together.
-static double poses_error( const lwi_edge_pair* pair, double half )
-{
-	return lwi_chord_error_of( pair->rate_a, half ).max + lwi_chord_error_of( pair->rate_b, half ).max;
-}
 
 /// From a's middle to the nearest point of the box around b, in b's tree frame.
 static void direction_between( const lwi_swept_poses* a, const lwi_swept_poses* b, float direction[3] )
@@ -134,9 +127,8 @@ static void add_plane( lwi_edge_plane* p, lwi_swept_plane plane )
 /// One of the planes of other times. @param margin on top of the clearance
 static bool old_plane_holds( plane_test* s, lwi_edge_plane* p, double margin )
 {
-	const double need = lwi_larger( s->enough + s->bulge + margin, 0 );
-	const lwi_kernels* kernels = s->edge->query->search.kernels;
-	uint32_t which = lwi_swept_apart_by( kernels, s->a, s->b, need, &p->planes );
+	const double need = lwi_larger( s->need + s->deviation + margin, 0 );
+	const uint32_t which = lwi_swept_apart_by( s->edge->query->search.kernels, s->a, s->b, need, &p->planes );
 	if ( which < LWI_WIDTH )
 	{
 		p->served = (uint8_t)( p->served | 1u << which );
@@ -145,24 +137,14 @@ static bool old_plane_holds( plane_test* s, lwi_edge_plane* p, double margin )
 	return false;
 }
 
-/// Largest displacement of the middle of a body's sphere within a window.
-static double center_displacement( lwi_edge* e, uint32_t body, uint32_t ancestor, lwi_motion_rate rate,
-	lwi_edge_window window )
-{
-	const lwi_cluster_tree* tree = e->checker->base->tree;
-	const lw_sphere* sphere = &tree->body_spheres[tree->body_place[body]];
-	return lwi_edge_point_displacement( e, tree->body_cluster[body], ancestor, sphere->center, rate, window ) *
-		   LWI_EDGE_OUTWARD;
-}
-
 /// Searches for a new plane for all of the window, and adds it. @param margin on top of the clearance @param direction
 /// where the search ended
 static bool new_plane_holds( plane_test* s, lwi_edge_plane* p, double margin, float direction[3] )
 {
-	const double need = lwi_larger( s->enough + margin, 0 );
+	const double need = lwi_larger( s->need + s->deviation + margin, 0 );
 	lwi_swept_plane plane;
 	direction_between( s->a, s->b, direction );
-	if ( lwi_separate_swept( s->edge->query->search.kernels, s->a, s->b, need + s->bulge, direction, &plane ) != LWI_APART )
+	if ( lwi_separate_swept( s->edge->query->search.kernels, s->a, s->b, need, direction, &plane ) != LWI_APART )
 	{
 		return false;
 	}
@@ -178,7 +160,7 @@ static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, doubl
 	{
 		return LWI_EDGE_PROVED;
 	}
-	const double need = lwi_larger( s->enough + margin, 0 );
+	const double need = lwi_larger( s->need + s->motion[0].tube + s->motion[1].tube + margin, 0 );
 	lwi_swept_plane plane;
 	lwi_swept_poses middle_a, middle_b;
 	lwi_swept_poses_static( &middle_a, s->a->shape, &s->a->middle );
@@ -188,7 +170,7 @@ static lwi_edge_plane_result find_plane( plane_test* s, lwi_edge_plane* p, doubl
 		return LWI_EDGE_MEASURE;
 	}
 	add_plane( p, plane );
-	return LWI_EDGE_CLOSER;
+	return LWI_EDGE_HALVE;
 }
 
 // ---- pieces ----------------------------------------------------------------------------------------------------------
@@ -279,7 +261,7 @@ static bool is_apart_from_pieces( plane_test* s, uint64_t key, uint32_t index, l
 static bool each_is_apart( plane_test* s, uint64_t key, bool split_b, double margin )
 {
 	lwi_swept_poses* whole = s->a;
-	const double reach = s->enough + margin + lwi_edge_loss( s->edge, s->pair, s->window );
+	const double reach = s->need + margin + lwi_edge_loss( s->edge, s->pair, s->motion );
 	lw_vec3 places[LWI_WIDTH];
 	uint32_t order[LWI_WIDTH];
 	const uint32_t count = near_pieces( s, reach, places, order );
@@ -313,7 +295,7 @@ static bool pieces_are_apart( plane_test* s, uint64_t key, double margin )
 	const lw_vec3 place = lwi_transform( &b_from_a, lwi_load( s->a->shape->sphere_center ) );
 	const bool apart = split_a ? each_is_apart( s, key, split_b, margin )
 							   : is_apart_from_pieces( s, key, LWI_WIDTH, place,
-									 s->enough + margin + lwi_edge_loss( s->edge, s->pair, s->window ), margin );
+									 s->need + margin + lwi_edge_loss( s->edge, s->pair, s->motion ), margin );
 	if ( apart )
 	{
 		lwi_backoff_succeeded( backoff );
@@ -350,37 +332,40 @@ static lwi_edge_plane_result find_planes( plane_test* s, uint64_t key, double ma
 
 // ---- pairs -----------------------------------------------------------------------------------------------------------
 
+/// Largest displacement of the middle of a body's sphere within a window.
+static double center_displacement( const plane_test* s, int side )
+{
+	const lwi_cluster_tree* tree = s->edge->checker->base->tree;
+	lw_sphere center = tree->body_spheres[tree->body_place[s->motion[side].body]];
+	center.radius = 0;
+	return lwi_window_displacement( s->edge, &s->motion[side], &center ) * LWI_EDGE_OUTWARD;
+}
+
 static lwi_edge_plane_result test_self( plane_test s )
 {
 	lwi_edge* e = s.edge;
 	const lw_checker* c = e->checker;
-	const lwi_edge_pair* pair = s.pair;
-	uint32_t a = pair->body_a, b = pair->body_b, above = pair->ancestor;
-	s.swapped = pair->rate_a.path == 0; // the static shape has the plane
+	const uint32_t a = s.pair->body[0], b = s.pair->body[1];
+	s.swapped = s.pair->rate[0].path == 0; // the static shape has the plane
 	const uint64_t key = self_key( c, a, b );
 	// poses are seen from the ancestor, which is rounded too
-	double margin = lwi_self_margin( c->base, a, b ) + 4 * lwi_motion_rounding( e->path.motion );
-	bool planes = s.bulge < LWI_MOST_BULGE;
+	const double margin = lwi_self_margin( c->base, a, b ) + 4 * lwi_motion_rounding( e->path.motion );
 	lwi_cloud clouds[2];
-	clouds[0].made = clouds[1].made = false;
 	lwi_swept_poses poses[2];
-	poses[0].cloud = &clouds[0];
-	poses[1].cloud = &clouds[1];
+	for ( int side = 0; side < 2; ++side )
+	{
+		clouds[side].made = false;
+		poses[side].cloud = &clouds[side];
+		lwi_window_swept( e, &s.motion[side], &poses[side] );
+	}
 	s.a = &poses[s.swapped ? 1 : 0];
 	s.b = &poses[s.swapped ? 0 : 1];
-	if ( planes )
+	const bool planes = has_planes( &s );
+	if ( planes && known_planes_hold( &s, key, margin ) )
 	{
-		lwi_edge_swept_poses( e, a, above, pair->rate_a, s.window, s.linear != NULL ? &s.linear[0] : NULL, &poses[0] );
-		lwi_edge_swept_poses( e, b, above, pair->rate_b, s.window, s.linear != NULL ? &s.linear[1] : NULL, &poses[1] );
-		planes = has_planes( &s );
-		if ( planes && known_planes_hold( &s, key, margin ) )
-		{
-			return LWI_EDGE_PROVED; // neighbours are never apart by their spheres
-		}
+		return LWI_EDGE_PROVED; // neighbours are never apart by their spheres
 	}
-	double displacement = center_displacement( e, a, above, pair->rate_a, s.window ) +
-						  center_displacement( e, b, above, pair->rate_b, s.window );
-	if ( !lwi_checker_pair_is_near( c, e->query, a, b, s.enough + displacement ) )
+	if ( !lwi_checker_pair_is_near( c, e->query, a, b, s.need + center_displacement( &s, 0 ) + center_displacement( &s, 1 ) ) )
 	{
 		return LWI_EDGE_PROVED;
 	}
@@ -392,77 +377,43 @@ static lwi_edge_plane_result test_scene( plane_test s )
 {
 	lwi_edge* e = s.edge;
 	const lw_checker* c = e->checker;
-	const lwi_edge_pair* pair = s.pair;
-	const double reach = s.enough + center_displacement( e, pair->body_a, 0, pair->rate_a, s.window );
-	const uint32_t count = lwi_checker_near_obstacles( c, e->query, pair->body_a, reach );
-	if ( count == 0 )
-	{
-		return LWI_EDGE_PROVED;
-	}
-	if ( !( s.bulge < LWI_MOST_BULGE ) )
-	{
-		return LWI_EDGE_MEASURE;
-	}
+	const uint32_t body = s.pair->body[0];
+	const uint32_t count = lwi_checker_near_obstacles( c, e->query, body, s.need + center_displacement( &s, 0 ) );
 	lwi_cloud cloud;
 	cloud.made = false;
 	lwi_swept_poses poses, fixed;
 	poses.cloud = &cloud;
 	s.a = &poses;
 	s.b = &fixed;
-	lwi_edge_swept_poses( e, pair->body_a, 0, pair->rate_a, s.window, s.linear, &poses );
+	lwi_window_swept( e, &s.motion[0], &poses );
 	lwi_edge_plane_result worst = LWI_EDGE_PROVED;
 	for ( uint32_t i = 0; i < count && worst != LWI_EDGE_MEASURE; ++i )
 	{
-		uint32_t index = e->query->scratch.candidates[i].pair;
+		const uint32_t index = e->query->scratch.candidates[i].pair;
 		const lw_scene_shape_def* obstacle = &c->scene->shapes[index];
 		lwi_swept_poses_static( &fixed, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape );
-		double margin = lwi_environment_margin( c, pair->body_a, obstacle->object );
-		const uint64_t key = obstacle_key( c, pair->body_a, index );
+		const double margin = lwi_environment_margin( c, body, obstacle->object );
+		const uint64_t key = obstacle_key( c, body, index );
 		const bool planes = has_planes( &s );
 		if ( !planes || !known_planes_hold( &s, key, margin ) )
 		{
-			lwi_edge_plane_result now = planes ? find_planes( &s, key, margin ) : LWI_EDGE_MEASURE;
+			const lwi_edge_plane_result now = planes ? find_planes( &s, key, margin ) : LWI_EDGE_MEASURE;
 			worst = now > worst ? now : worst;
 		}
 	}
 	return worst;
 }
 
-static bool is_number( lw_vec3 v )
+lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, const lwi_window_motion motion[2], double need )
 {
-	return v.x == v.x;
-}
-
-lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window window, uint8_t* skip )
-{
-	*skip = 0;
-	if ( !( window.half > 0 ) )
+	if ( !( motion[0].window.half > 0 ) )
 	{
 		return LWI_EDGE_MEASURE;
 	}
-	const uint32_t* cluster = e->checker->base->tree->body_cluster;
-	bool self = lwi_edge_pair_is_self( pair );
-	lwi_edge_linear_motion linear[2] = { { .bulge = 0 }, { .bulge = 0 } };
-	bool is_linear = lwi_edge_is_linear( pair->rate_a, window ) && ( !self || lwi_edge_is_linear( pair->rate_b, window ) );
-	if ( is_linear )
-	{
-		linear[0] = lwi_edge_linear_motion_of( e, cluster[pair->body_a], pair->ancestor, pair->rate_a, window );
-		linear[1] = self ? lwi_edge_linear_motion_of( e, cluster[pair->body_b], pair->ancestor, pair->rate_b, window )
-						 : linear[1];
-		is_linear = is_number( linear[0].twist.angular ) && is_number( linear[1].twist.angular );
-	}
-	plane_test s = { .edge = e, .pair = pair, .window = window };
-	s.enough = lwi_edge_enough( e, pair );
-	s.linear = is_linear ? linear : NULL;
-	s.bulge = is_linear ? linear[0].bulge + linear[1].bulge : poses_error( pair, window.half );
-	lwi_edge_plane_result result = self ? test_self( s ) : test_scene( s );
-	if ( result == LWI_EDGE_MEASURE && s.bulge >= LWI_MOST_BULGE )
-	{
-		for ( double next = 0.25 * s.bulge; !( next < LWI_MOST_BULGE ) && *skip < LWI_EDGE_MAX_DEPTH; next *= 0.25 )
-		{
-			++*skip;
-		}
-		return LWI_EDGE_CLOSER;
-	}
-	return result;
+	const plane_test s = { .edge = e,
+		.pair = pair,
+		.motion = motion,
+		.need = need,
+		.deviation = motion[0].deviation + motion[1].deviation };
+	return lwi_edge_pair_is_self( pair ) ? test_self( s ) : test_scene( s );
 }
