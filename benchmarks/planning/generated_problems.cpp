@@ -3,7 +3,7 @@
 #include "planning/generated_problems.hpp"
 
 #include "edge_auditor.hpp"
-#include "support/bench_program.hpp"
+#include "support/command.hpp"
 #include "support/provenance.hpp"
 
 #include <cmath>

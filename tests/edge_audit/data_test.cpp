@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Edges of real robots in real scenes: a FREE that a dense look refutes, a BLOCKED that nobody can reproduce. The benchmark
-// audit_edges asks the same of 10^5 edges.
+// leeway-bench audit-edges asks the same of 10^5 edges.
 #include "support/edge_worlds.hpp"
 #include "tube_bench.hpp"
 

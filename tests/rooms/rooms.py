@@ -64,12 +64,10 @@ HOUSES = [
         ("program", "command line, files in and out, one file for each subcommand"),
     ], public={"planners": "search"}),
     House("benchmarks", [
-        ("support", "command lines, states, edges and worlds, interleaved timing, the origin of results"),
-        ("report", "experiments and their rounds, pages and plots, comparison of two runs"),
+        ("support", "command lines, files of results and their comparison, states, edges and worlds, interleaved timing"),
         ("peers", "engines of other libraries, judges of answers, workloads for all engines"),
         ("planning", "ways to plan, modules of other planners, their results as tables and a page"),
-        ("experiments", "parts switched off, figures of the paper, speed against accuracy, plans"),
-        ("programs", "one file for each program"),
+        ("programs", "the main function, and one file for each subcommand"),
     ]),
 ]
 

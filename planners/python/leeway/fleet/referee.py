@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The referee: paths of several planners on the same problems, audited on the real meshes, as one page.
 
-    bench_planning --row leeway --row "own states" --row VAMP --module vamp.so --paths paths.jsonl
+    leeway-bench planning --row leeway --row "own states" --row VAMP --module vamp.so --paths paths.jsonl
     python -m leeway.fleet referee paths.jsonl --data ../shared/data --out referee
 
 Each line of the file is a path with its problem, planner, times and joints. The audit proves or refutes its edges by a checker and looks at
@@ -72,7 +72,7 @@ def case_of(problem: str, data: pathlib.Path) -> Case:
         place = folder / "problems" / parts[1]
         number = f"{int(parts[2]):04d}.yaml"
         return Case(robot, parts[1], folder / f"{robot}.urdf", folder / f"{robot}.srdf", place / f"scene{number}", place / f"request{number}")
-    raise FleetError(data, problem, "is no problem that the referee knows", "give lines of bench_planning --paths without --zoo")
+    raise FleetError(data, problem, "is no problem that the referee knows", "give lines of leeway-bench planning --paths without --zoo")
 
 
 def _group_of(robot: Robot, joints: list[str], problem: str) -> str:
@@ -127,9 +127,9 @@ def _lines(file: pathlib.Path) -> list[dict[str, Any]]:
     try:
         return [json.loads(line) for line in read_regular(file).decode().splitlines() if line.strip()]
     except OSError as error:
-        raise FleetError(file, "", error.strerror or str(error), "give the file of bench_planning --paths") from None
+        raise FleetError(file, "", error.strerror or str(error), "give the file of leeway-bench planning --paths") from None
     except ValueError as error:
-        raise FleetError(file, "", f"is no JSON a line: {error}", "give the file of bench_planning --paths") from None
+        raise FleetError(file, "", f"is no JSON a line: {error}", "give the file of leeway-bench planning --paths") from None
 
 
 def _judge_all(file: pathlib.Path, data: pathlib.Path) -> pandas.DataFrame:
@@ -222,7 +222,7 @@ STYLE = "body{font:15px sans-serif;margin:2em auto;max-width:62em}table{border-c
 
 
 def referee(file, data, out, program: str = "") -> Refereed:
-    """Audits the paths of bench_planning --paths. data: the folder of robots and scenes. program: `leeway`, for pictures. Writes paths.csv, table.csv
+    """Audits the paths of leeway-bench planning --paths. data: the folder of robots and scenes. program: `leeway`, for pictures. Writes paths.csv, table.csv
     and index.html into `out`."""
     file, data, out = pathlib.Path(file), pathlib.Path(data).resolve(), pathlib.Path(out)
     out.mkdir(parents=True, exist_ok=True)
@@ -232,7 +232,7 @@ def referee(file, data, out, program: str = "") -> Refereed:
     table.to_csv(out / "table.csv", index=False)
     other = paths[paths["other_auditor"].notna()]
     agree = int((other["other_auditor"].astype(bool) == other["contact"]).sum())
-    second = f"bench_planning's own auditor, which shares nothing with the checker, says the same of {agree} of {len(other)}. " if len(other) else ""
+    second = f"leeway-bench's own auditor, which shares nothing with the checker, says the same of {agree} of {len(other)}. " if len(other) else ""
     page = out / "index.html"
     page.write_text("\n".join([f"<!doctype html><meta charset=utf-8><title>Referee</title><style>{STYLE}</style><h1>Paths on the real meshes</h1>",
         f"<p>{len(paths)} paths on {paths['problem'].nunique()} problems. In contact: an edge is refuted by a state, or dense states "
@@ -245,7 +245,7 @@ def referee(file, data, out, program: str = "") -> Refereed:
 def main(arguments: list[str]) -> int:
     import argparse
     parser = argparse.ArgumentParser(prog="python -m leeway.fleet referee", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("paths", help="file of bench_planning --paths")
+    parser.add_argument("paths", help="file of leeway-bench planning --paths")
     parser.add_argument("--data", required=True, help="folder of robots and scenes")
     parser.add_argument("--out", default="referee", help="folder of the page")
     parser.add_argument("--program", default="", help="leeway, for pictures of the worst cases")
