@@ -15,12 +15,13 @@ from typing import NamedTuple
 
 import numpy
 
-from ._core import Checker
+from ._core import Checker, whole_number
 
 __all__ = ["Setting", "Tuned", "tune"]
 
 ALPHA = 0.1  # relative tolerance of distances within Checker.edges()
 ROUNDING = 1e-9  # metres, granted to every promise
+MOST_COUNT = 2**31 - 1
 KEPT = 0.9  # a proposed setting calls at least this share of the free states or edges free
 CLOSE = 1.05  # times so close are the same: for less nothing is given up
 
@@ -183,6 +184,8 @@ def tune(checker: Checker, *, min_d: float = 0.0, max_d: float = 0.5, check: str
         raise ValueError("tune: 0 <= min_d < max_d < inf does not hold; give the range of clearances to tell apart")
     if sum(target is not None for target in (error, conservatism, microseconds)) > 1:
         raise ValueError("tune: give one of error, conservatism, microseconds")
+    states, edges = whole_number("states", states, 2, MOST_COUNT), whole_number("edges", edges, 1, MOST_COUNT)
+    seed, passes = whole_number("seed", seed), whole_number("passes", passes, 1, MOST_COUNT)
     usual = {"states": 0.01 * max_d if error is None else error, "edges": 0.0011 if conservatism is None else conservatism}
     levels = sorted({0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, usual["edges"]})
     samples = _draw(checker, min_d, check, levels, states, edges, seed)

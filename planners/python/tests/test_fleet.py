@@ -15,6 +15,7 @@ import pytest
 
 import leeway
 from conftest import FIRST, ROOT
+from fleet_processes import SMALL, command, files, start_scheduler, start_worker
 
 if os.environ.get("LEEWAY_PYTHON_EXTRAS") != "required":
     for name in ("distributed", "pyarrow"):
@@ -26,40 +27,11 @@ from leeway.fleet import manifest, seeds, shard, tables
 from leeway.fleet.files import digest_of_file
 from leeway.fleet.plan import identity_of
 
-SMALL = f"""
-name = "small"
-seed = 5
-shard_rows = 512
-[robots.arm]
-urdf = "{FIRST}/arm.urdf"
-srdf = "{FIRST}/arm.srdf"
-group = "arm"
-[scenes.desk]
-file = "{FIRST}/scene.yaml"
-[[work]]
-kind = "states"
-scenes = ["desk"]
-rows = 2000
-[[work]]
-kind = "edges"
-scenes = ["desk"]
-rows = 600
-audit = 0.1
-audit_step = 0.05
-"""
-
-
 @pytest.fixture
 def small(tmp_path):
     file = tmp_path / "small.toml"
     file.write_text(SMALL)
     return file
-
-
-def files(folder):
-    """Name and bytes of each result."""
-    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in sorted(pathlib.Path(folder).rglob("*"))
-        if path.suffix in (".parquet", ".json") and not path.name.endswith("times.parquet")}
 
 
 @pytest.fixture(scope="module")
@@ -70,10 +42,6 @@ def expected(tmp_path_factory):
     found = run(folder / "small.toml", folder / "out", workers=0, quiet=True)
     assert found.complete and not found.failures
     return folder / "out"
-
-
-def command(*arguments, **options):
-    return subprocess.Popen([sys.executable, "-m", "leeway.fleet", *map(str, arguments)], **options)
 
 
 def test_processes_give_the_bytes_of_one_process(small, expected, tmp_path):
@@ -193,23 +161,6 @@ def dask_setup(worker):
     assert done.returncode == 0 and files(tmp_path / "out") == files(expected), out
 
 
-def start_scheduler(folder):
-    """(process, address)"""
-    address_file = folder / "address.json"
-    scheduler = subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
-        "--scheduler-file", address_file], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    for _ in range(600):
-        if address_file.exists() and address_file.read_text().rstrip().endswith("}"):
-            break
-        time.sleep(0.1)
-    return scheduler, json.loads(address_file.read_text())["address"]
-
-
-def start_worker(address, threads=1):
-    return subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_worker", address, "--nworkers", "1", "--nthreads", str(threads), "--no-dashboard",
-        "--death-timeout", "20"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-
 @pytest.fixture
 def cluster(tmp_path):
     """A scheduler and a worker as on other machines: (address, processes)."""
@@ -243,8 +194,8 @@ def test_workers_that_join_late_get_work(expected, small, tmp_path):
 
 
 def test_workers_and_schedulers_that_cannot_be_are_refused(small, tmp_path):
-    for options, message in (({"workers": -3}, "workers: is -3"), ({"scheduler": "nonsense"}, "nonsense: cannot be reached.*address that dask scheduler prints")):
-        with pytest.raises(FleetError, match=message):
+    for options, message in (({"workers": -3}, "workers: is -3; give a whole number from 0"), ({"scheduler": "nonsense"}, "nonsense: cannot be reached.*address that dask scheduler prints")):
+        with pytest.raises(ValueError, match=message):
             run(small, tmp_path / "out", quiet=True, **options)
     (tmp_path / "file").write_text("")
     with pytest.raises(FleetError, match="file: cannot hold results: .*; give another --out"):
@@ -328,8 +279,8 @@ def test_other_manifests_are_refused_with_a_remedy(small, tmp_path):
     run(small, out, workers=0, quiet=True)
     path = out / "manifest.json"
     good = path.read_text()
-    path.write_text(good.replace('"format": 2', '"format": 99'))
-    with pytest.raises(FleetError, match="is 99, and this version of leeway knows 2; go on with leeway"):
+    path.write_text(good.replace('"format": 3', '"format": 99'))
+    with pytest.raises(FleetError, match="is 99, and this version of leeway knows 3; go on with leeway"):
         run(small, out, workers=0, quiet=True)
     path.write_text(good)
     _, records = manifest.read_manifest(out)

@@ -23,13 +23,8 @@ import pathlib
 import re
 from typing import Any, NamedTuple
 
+from .documents import ONCE, parse_toml, read_text
 from .errors import FleetError
-from .files import read_regular
-
-try:
-    import tomllib
-except ImportError:  # Python 3.10 and before
-    import tomli as tomllib
 
 __all__ = ["Campaign", "Option", "checked", "files_of", "load_campaign", "shown"]
 
@@ -123,11 +118,11 @@ def load_campaign(file, kinds: dict[str, Any]) -> Campaign:
     """Reads a campaign. kinds: name to kind; each has `options`."""
     path = pathlib.Path(file)
     try:
-        values = tomllib.loads(read_regular(path, MOST_BYTES).decode())
-    except OSError as error:
-        raise FleetError(path, "", error.strerror or str(error), "give the path of a campaign's TOML file") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise FleetError(path, "", str(error), "correct the TOML") from None
+        values = parse_toml(read_text(path, MOST_BYTES, "give the path of a campaign's TOML file"))
+    except FleetError:
+        raise
+    except ValueError as error:
+        raise FleetError(path, "", str(error), ONCE if "again in line" in str(error) else "correct the TOML") from None
     top = checked(path, "", values, TOP)
     top["robots"] = {name: checked(path, f"robots.{name}", robot, ROBOT) for name, robot in top["robots"].items()}
     top["scenes"] = {name: checked(path, f"scenes.{name}", scene, SCENE) for name, scene in top["scenes"].items()}

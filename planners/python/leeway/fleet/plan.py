@@ -7,11 +7,11 @@ import json
 import math
 from typing import Any, Iterator, NamedTuple
 
-from .._core import version as leeway_version
 from .campaign import ROBOT_NAME, Campaign, files_of, load_campaign
 from .errors import FleetError, named
 from .files import digest_of_file
 from .kinds import Kind, Part
+from .maker import maker
 from .registry import KINDS
 from .scenes import check_generator
 from .worlds import Worlds, scene_digest
@@ -19,7 +19,7 @@ from .worlds import Worlds, scene_digest
 __all__ = ["FORMAT", "Segment", "Shard", "check_plan", "identity_of", "parts_of", "segments_of", "shards_of", "worlds_of"]
 
 MOST_SHARDS, MOST_SCENES = 500_000, 2_000_000  # of a campaign: listing them takes seconds
-FORMAT = 2  # of manifests and of rows; a change of either's meaning is a new number
+FORMAT = 3  # of manifests and of rows; a change of either's meaning is a new number
 
 
 class Shard(NamedTuple):
@@ -97,7 +97,7 @@ def worlds_of(file) -> Worlds:
     for name, scene in campaign.values["scenes"].items():
         if scene["generator"]:
             check_generator(campaign.file, name, scene)
-    plan: dict[str, Any] = {"format": FORMAT, "leeway": leeway_version, "campaign": _plain(campaign.values), "inputs": {"robots": {}, "scenes": {}},
+    plan: dict[str, Any] = {"format": FORMAT, **maker(), "campaign": _plain(campaign.values), "inputs": {"robots": {}, "scenes": {}},
         "parts": [], "id": ""}
     worlds = Worlds(plan, campaign.folder)
     plan["inputs"] = _inputs(campaign, worlds)
@@ -134,7 +134,8 @@ def check_plan(file, plan: Any) -> None:
     try:
         require(plan["id"] == identity_of(plan), "plan.id", "is not the digest of the plan: the file was changed")
         per_shard, shards, scenes = plan["campaign"]["shard_rows"], 0, 0
-        require(is_count(per_shard, 1) and isinstance(plan["campaign"]["name"], str) and isinstance(plan["leeway"], str), "plan.campaign", "is none")
+        require(is_count(per_shard, 1) and isinstance(plan["campaign"]["name"], str) and isinstance(plan["leeway"], str)
+            and isinstance(plan["module"], str), "plan.campaign", "is none")
         for i, part in enumerate(plan["parts"]):
             element = f"plan.parts[{i}]"
             require(set(part) == set(Part._fields) and part["index"] == i and is_count(part["work"], 0), element, "is no part")

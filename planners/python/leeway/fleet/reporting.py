@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import html
 import io
-import json
 import pathlib
 from typing import Any, NamedTuple
 
@@ -15,6 +14,7 @@ import pyarrow
 import pyarrow.parquet
 
 from .._core import Verdict
+from .documents import parse_json
 from .errors import FleetError
 from .files import open_regular, read_regular
 from .manifest import content_digest, read_manifest, sound_records
@@ -51,7 +51,7 @@ def frame_of(folder, part: Part, columns: list[str] | None = None, times: bool =
     recorded one, or no table of this part."""
     plan, records = read_manifest(folder)
     shards = shards_of(plan)
-    sound, faults = sound_records(pathlib.Path(folder), {i: record for i, record in records.items() if shards[i].part.index == part.index})
+    sound, faults = sound_records(pathlib.Path(folder), plan, {i: record for i, record in records.items() if shards[i].part.index == part.index})
     for name, fault in faults.items():
         raise FleetError(pathlib.Path(folder) / name, "", fault, "run the campaign again: it makes the file again")
     return _frame(pathlib.Path(folder), plan, part, set(sound), columns, times, most)
@@ -156,7 +156,7 @@ def _part(folder: pathlib.Path, plan: dict[str, Any], part: Part, whole: set[int
 
 def _runs(folder: pathlib.Path) -> str:
     try:
-        lines = [json.loads(line) for line in read_regular(folder / "runs.jsonl").decode().splitlines()]
+        lines = [parse_json(line) for line in read_regular(folder / "runs.jsonl").decode().splitlines()]
     except (OSError, ValueError):
         return ""
     fields = {"workers", "shards", "rows", "seconds", "processor_seconds"}
@@ -174,7 +174,7 @@ def report(folder, page=None) -> Report:
     contradictions are counted in all. Files that are not the recorded ones are named and left out."""
     folder = pathlib.Path(folder)
     plan, records = read_manifest(folder)
-    sound, faults = sound_records(folder, records)
+    sound, faults = sound_records(folder, plan, records)
     tables, contradictions = {}, 0
     total = len(shards_of(plan))
     text: list[Any] = [f"<!doctype html><meta charset=utf-8><title>{html.escape(plan['campaign']['name'])}</title><style>{STYLE}</style>",

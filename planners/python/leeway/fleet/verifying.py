@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 import pathlib
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import pyarrow
+import pyarrow.parquet
+
+from .._core import whole_number
+from .documents import parse_json
 from .errors import FleetError
+from .files import open_regular
+from .maker import maker, maker_text
 from .manifest import read_manifest, sound_records
 from .plan import shards_of, worlds_of
 from .seeds import stream_of
@@ -30,16 +37,37 @@ class Verified(NamedTuple):
         return "\n".join(lines + [f"{name}: {fault}" for name, fault in self.faults.items()] + [f"{name}: other bytes when made again" for name in self.different])
 
 
+def _fault_of_maker(path: pathlib.Path, plan: dict[str, Any]) -> str:
+    """The reason if the file itself says that another build of leeway, or another plan, made it; or ""."""
+    try:
+        with open_regular(path) as file:
+            about = parse_json((pyarrow.parquet.read_schema(file).metadata or {})[b"leeway"].decode())
+        found = {name: about[name] for name in ("leeway", "module", "manifest")}
+    except (OSError, KeyError, TypeError, ValueError, pyarrow.ArrowException):
+        return "does not say which leeway made it"
+    if (found["leeway"], found["module"]) != (plan["leeway"], plan["module"]):
+        return f"was made by {maker_text(found)}, and the campaign is of {maker_text(plan)}"
+    return "" if found["manifest"] == plan["id"] else "was made for another campaign"
+
+
 def verify(folder, campaign=None, remake: int = 0, seed: int = 1) -> Verified:
-    """Compares each file with its recorded hash. campaign, remake: makes so many random shards again and compares their bytes."""
-    folder = pathlib.Path(folder)
+    """Compares each file with its recorded hash, and its maker with the campaign's. campaign, remake: makes so many random shards again and
+    compares their bytes."""
+    folder, remake, seed = pathlib.Path(folder), whole_number("remake", remake), whole_number("seed", seed)
     plan, records = read_manifest(folder)
-    sound, faults = sound_records(folder, records)
+    sound, faults = sound_records(folder, plan, records)
+    for index, record in list(sound.items()):
+        fault = _fault_of_maker(folder / record["file"], plan)
+        if fault:
+            faults[record["file"]] = fault
+            del sound[index]
     shards, different = shards_of(plan), []
     chosen: list[int] = []
     if remake:
         if campaign is None:
             raise FleetError(folder, "", "shards cannot be made again without their campaign", "give its TOML file")
+        if (plan["leeway"], plan["module"]) != tuple(maker().values()):
+            raise FleetError(folder, "", f"is of {maker_text(plan)}, and this is {maker_text(maker())}", "make shards again by the build that made them")
         worlds = worlds_of(campaign)
         if worlds.plan["id"] != plan["id"]:
             raise FleetError(campaign, "", "is another campaign than the manifest's", "give the campaign that made these results")
