@@ -339,7 +339,7 @@ MISTAKES = {
     'scenes = ["desk"]\nrows = 2000': ('scenes = ["table"]\nrows = 2000', r"work\[0\].scenes: names 'table'.*it has desk"),
     "[robots.arm]": ("[robots.arm", "TOML"),
     f'file = "{FIRST}/scene.yaml"': ('count = 3', "has both or none of file and generator"),
-    f'urdf = "{FIRST}/arm.urdf"': ('urdf = "none.urdf"', r"small.toml: robots.arm: .*none.urdf: no such file; check the path"),
+    f'urdf = "{FIRST}/arm.urdf"': ('urdf = "none.urdf"', r"none.urdf: No such file or directory; correct the path"),
     f'srdf = "{FIRST}/arm.srdf"': ('srdf = 3', "robots.arm.srdf: is 3; give text in quotes"),
     "audit_step = 0.05": ("audit_step = inf", r"work\[1\].audit_step: is inf; give a number"),
     "rows = 600": ("rows = 600\nslack = 0", r"work\[1\].slack: is 0; give at least 1e-09"),

@@ -139,7 +139,7 @@ def load_campaign(file, kinds: dict[str, Any]) -> Campaign:
         if kind not in kinds:
             raise FleetError(path, f"{element}.kind", f"is {kind!r}", f"give one of {', '.join(kinds)}")
         entry = checked(path, element, given, {**WORK, **kinds[kind].options})
-        if "scenes" not in given and top["scenes"] and kinds[kind].in_scenes:
+        if "scenes" not in given and top["scenes"] and kinds[kind].in_scenes and not entry.get("table"):
             raise FleetError(path, f"{element}.scenes", f"is missing, and the campaign has {', '.join(top['scenes'])}: the rows would be of a world without obstacles",
                 "name the scenes, or write scenes = [] for no obstacles")
         entry["robots"] = entry["robots"] or list(top["robots"])

@@ -12,14 +12,14 @@ import re
 from typing import Any
 
 from .errors import FleetError
-from .files import read_regular
+from .files import open_regular, read_regular
 
 try:
     import tomllib
 except ImportError:  # Python 3.10 and before
     import tomli as tomllib
 
-__all__ = ["ONCE", "parse_json", "parse_toml", "parse_yaml", "read_documents", "read_text"]
+__all__ = ["ONCE", "parse_json", "parse_toml", "parse_yaml", "read_documents", "read_text", "regular"]
 
 MOST_BYTES = 1 << 28  # of a document
 MOST_DEPTH = 64  # of tables and lists in each other
@@ -41,6 +41,15 @@ def read_text(path, most: int = MOST_BYTES, remedy: str = "correct the path") ->
         raise FleetError(path, "", error.strerror or str(error), remedy) from None
     except UnicodeDecodeError as error:
         raise FleetError(path, "", f"is no text of UTF-8: {error.reason} at byte {error.start}", "write it as UTF-8") from None
+
+
+def regular(path, remedy: str = "correct the path") -> pathlib.Path:
+    """The path, for a reader that would wait for a pipe. Raises FleetError for a pipe, a device or a folder, and if it cannot be read."""
+    try:
+        open_regular(path).close()
+    except (OSError, ValueError) as error:  # a NUL in the path is a ValueError
+        raise FleetError(path, "", getattr(error, "strerror", None) or str(error), remedy) from None
+    return pathlib.Path(path)
 
 
 def _entries(value: Any, depth: int, known: dict[int, int]) -> int:

@@ -6,8 +6,7 @@ import pathlib
 import platform
 from typing import Any
 
-from .errors import FleetError
-from .files import open_regular
+from .documents import regular
 from .maker import maker, maker_text
 from .shard import worlds_here
 
@@ -16,21 +15,15 @@ __all__ = ["fault_of", "statement"]
 MOUNT = "let this node see the campaign's files and the --out folder under the same paths as the others, then start its worker again"
 
 
-def _openable(path: pathlib.Path) -> None:
-    try:
-        open_regular(path).close()
-    except OSError as error:
-        raise FleetError(path, "", error.strerror or str(error), MOUNT) from None
-
-
 def _look(identity: str, base: str, folder: str) -> None:
     """Reads the manifest and all robots, and opens the files of scenes and of the work. Raises FleetError or leeway.Error."""
-    _openable(pathlib.Path(folder) / "manifest.json")
+    regular(pathlib.Path(folder) / "manifest.json", MOUNT)
     worlds = worlds_here(identity, base, pathlib.Path(folder))
     plan = worlds.plan
-    scenes = [entry["file"] for entry in plan["campaign"]["scenes"].values() if entry["file"]]
+    known = plan["campaign"]["scenes"]
+    scenes = [known[name]["file"] if name in known else name for name in plan["inputs"]["scenes"]]
     for name in [*[entry["urdf"] for entry in plan["campaign"]["robots"].values()], *scenes, *plan["inputs"]["files"]]:
-        _openable(worlds.folder / name)
+        regular(worlds.folder / name, MOUNT)
     for name in sorted({part["robot"] for part in plan["parts"]}):
         worlds.robot(name)
 

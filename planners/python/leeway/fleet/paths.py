@@ -24,7 +24,7 @@ from .documents import read_documents, read_text
 from .errors import FleetError
 from .files import MOST_BYTES, read_regular
 
-__all__ = ["PathData", "read_group", "read_joints", "read_paths", "read_states"]
+__all__ = ["PathData", "once", "read_group", "read_joints", "read_paths", "read_states"]
 
 
 class PathData(NamedTuple):
@@ -35,7 +35,7 @@ class PathData(NamedTuple):
     accelerations: numpy.ndarray | None = None
 
 
-def _once(file, element: str, names: list[str], what: str) -> None:
+def once(file, element: str, names: list[str], what: str) -> None:
     """Raises FleetError for a name that is there twice: readers differ in which of them they take."""
     places: dict[str, int] = {}
     for i, name in enumerate(names):
@@ -62,7 +62,7 @@ def _from_csv(file: pathlib.Path, variables: list[str]) -> list[PathData]:
     try:
         rows = [row for row in csv.reader(io.StringIO(read_text(file), newline="")) if row]
         names = [name.strip() for name in rows[0]]
-        _once(file, "header", names, "column")
+        once(file, "header", names, "column")
         values = numpy.array([[float(cell) for cell in row] for row in rows[1:]])
         table = {name: values[:, i] for i, name in enumerate(names)}
     except (IndexError, ValueError, csv.Error) as error:
@@ -100,7 +100,7 @@ def _arrays(file: pathlib.Path) -> numpy.ndarray | dict[str, numpy.ndarray]:
         if file.suffix == ".npy":
             return numpy.load(data, allow_pickle=False)
         with zipfile.ZipFile(data) as archive:
-            _once(file, "", archive.namelist(), "array")
+            once(file, "", archive.namelist(), "array")
             if sum(entry.file_size for entry in archive.infolist()) > MOST_BYTES:
                 raise ValueError(f"unpacked it has more than {MOST_BYTES} bytes")
         with numpy.load(data, allow_pickle=False) as arrays:
@@ -135,7 +135,7 @@ def _from_message(file: pathlib.Path, variables: list[str]) -> list[PathData]:
         i, points, joints = len(out), message["points"], message["joint_names"]
         if not isinstance(points, list) or not isinstance(joints, list) or not all(isinstance(joint, str) for joint in joints):
             raise FleetError(file, f"trajectory {i}", "has no list of points, or no list of joint_names", "correct the file")
-        _once(file, f"joint_names of trajectory {i}", joints, "joint")
+        once(file, f"joint_names of trajectory {i}", joints, "joint")
         if not all(isinstance(point, dict) == isinstance(points[0], dict) for point in points):
             raise FleetError(file, f"points of trajectory {i}", "are tables and lists", "give all of them in one form")
         if not isinstance(points[0], dict):  # a path of `leeway plan`
@@ -205,7 +205,7 @@ def _request(file: pathlib.Path, element: str) -> dict[str, Any]:
             raise ValueError(f"position is no list of {len(names)} finite numbers, one for each name")
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise FleetError(file, element, f"is no request with a start state: {error!r}", "give a start_state with a joint_state") from None
-    _once(file, "start_state.joint_state.name", names, "joint")
+    once(file, "start_state.joint_state.name", names, "joint")
     return request
 
 
@@ -215,7 +215,7 @@ def read_joints(file, element: str, variables: list[str]) -> tuple[numpy.ndarray
     request, start = _request(file, element), read_states(file)
     try:
         constraints = request["goal_constraints"][0]["joint_constraints"]
-        _once(file, "goal_constraints[0].joint_constraints", [entry["joint_name"] for entry in constraints], "joint")
+        once(file, "goal_constraints[0].joint_constraints", [entry["joint_name"] for entry in constraints], "joint")
         goal = {entry["joint_name"]: entry["position"] for entry in constraints}
         return numpy.array([start[name] for name in variables], float), numpy.array([goal.get(name, start[name]) for name in variables], float)
     except (KeyError, IndexError, TypeError, ValueError) as error:

@@ -22,11 +22,11 @@ import pandas
 from .._core import Checker, Robot, Scene, Verdict
 from .campaign import REQUIRED, Option, checked
 from .cases import Case, Cases, same_name
-from .documents import ONCE, parse_json, read_text
+from .documents import ONCE, parse_json, read_text, regular
 from .errors import FleetError, named
 from .files import MOST_BYTES
+from .looks import look_at_path
 from .paths import read_states
-from .plans import look_at_path
 
 __all__ = ["Refereed", "judge", "referee"]
 
@@ -74,10 +74,10 @@ class _Court:
             files = (case.urdf, case.srdf)
             with named(file, f"{line['place']}, {line['problem']}"):
                 if files not in self.robots:
-                    self.robots[files] = Robot(case.urdf, case.srdf or "", packages=packages)
+                    self.robots[files] = Robot(regular(case.urdf), regular(case.srdf) if case.srdf else "", packages=packages)
                 robot = self.robots[files]
                 reference = {name: value for name, value in start_of(case).items() if name in robot.variables}
-                scene = Scene(case.scene, packages=packages) if case.scene else Scene()
+                scene = Scene(regular(case.scene), packages=packages) if case.scene else Scene()
                 self.last = (key, Checker(robot, scene, group=_group_of(robot, line["joints"], line["problem"]), reference=reference or None))
         return self.last[1]
 

@@ -81,6 +81,8 @@ def _scene_names(part: Part) -> list[str]:
 
 
 def _by_scene(part: Part, frame: pandas.DataFrame) -> pandas.DataFrame:
+    if part.options.get("table"):  # rows have names of scenes
+        return frame.assign(scenes=[name or "no obstacles" for name in frame["scene"].astype(str)])
     names = numpy.array(_scene_names(part), object)
     return frame.assign(scenes=[name or "no obstacles" for name in names[frame["scene"]]])
 

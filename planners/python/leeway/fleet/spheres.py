@@ -8,7 +8,7 @@ import numpy
 
 from .._core import Robot, check_spheres
 from .campaign import Option
-from .documents import read_documents
+from .documents import read_documents, regular
 from .errors import FleetError
 from .kinds import Kind, Part, Rows
 from .tables import Column, Words
@@ -51,7 +51,7 @@ def read_spheres(file) -> dict[str, numpy.ndarray]:
         if len(found) != 1:
             raise FleetError(file, "", f"holds {len(found)} documents", "give one table of spheres")
         return _of_table(found[0], file)
-    return _of_urdf(Robot(file), file)
+    return _of_urdf(Robot(regular(file)), file)
 
 
 class Spheres(Kind):
