@@ -25,7 +25,7 @@ import pyarrow.parquet
 from leeway.fleet import FleetError, run, status, verify
 from leeway.fleet import manifest, seeds, shard, tables
 from leeway.fleet.files import digest_of_file
-from leeway.fleet.plan import identity_of
+from leeway.fleet.plan import identity_of, shards_of
 
 @pytest.fixture
 def small(tmp_path):
@@ -269,6 +269,12 @@ def test_rows_made_again_are_compared(small, tmp_path):
     table = pyarrow.parquet.read_table(path)
     lie = table.set_column(table.schema.get_field_index("lower"), table.schema.field("lower"), pyarrow.array(table.column("lower").to_numpy() + 1))
     path.write_bytes(tables.file_of(lie))
+    records[0]["sha256"] = digest_of_file(path)
+    manifest.write_manifest(out, plan, records)
+    assert verify(out).faults == {records[0]["file"]: "has other rows than the recorded ones"}
+    about = json.loads(lie.schema.metadata[b"leeway"])
+    records[0]["content"] = about["content"] = shard.content_of_file(path, shards_of(plan)[0])  # a forger can compute it
+    path.write_bytes(tables.file_of(lie.replace_schema_metadata({"leeway": json.dumps(about)})))
     records[0]["sha256"] = digest_of_file(path)
     manifest.write_manifest(out, plan, records)
     assert verify(out).sound and verify(out, small, remake=6).different == [records[0]["file"]]

@@ -30,7 +30,7 @@ __all__ = ["Campaign", "Option", "checked", "files_of", "load_campaign", "shown"
 
 SHARD_ROWS = 65536
 MOST_BYTES = 1 << 24  # of a campaign file
-ROBOT_NAME = re.compile(r"\w[\w.-]*")  # of robots and scenes: a part of files' names
+ROBOT_NAME = re.compile(r"\w[\w.-]{0,99}")  # of robots and scenes: a part of files' names
 
 
 class Option(NamedTuple):
@@ -128,7 +128,7 @@ def load_campaign(file, kinds: dict[str, Any]) -> Campaign:
     top["scenes"] = {name: checked(path, f"scenes.{name}", scene, SCENE) for name, scene in top["scenes"].items()}
     for name in [*top["robots"], *top["scenes"]]:
         if not ROBOT_NAME.fullmatch(name):
-            raise FleetError(path, name, "is no name of a robot or scene: it is a part of files' names", "give letters, digits, -, _ and .")
+            raise FleetError(path, name, "is no name of a robot or scene: it is a part of files' names", "give at most 100 letters, digits, -, _ and .")
     for name, scene in top["scenes"].items():
         if bool(scene["file"]) == bool(scene["generator"]):
             raise FleetError(path, f"scenes.{name}", "has both or none of file and generator", "give one of them")

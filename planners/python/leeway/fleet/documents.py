@@ -26,6 +26,7 @@ MOST_DEPTH = 64  # of tables and lists in each other
 MOST_ENTRIES = 1 << 26  # of a document, those of each alias counted again
 ONCE = "keep one of them"
 JSON_TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[{}\[\]:,]', re.DOTALL)
+SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
 TOML_PLACE = re.compile(r"\(at line (\d+), column \d+\)$")
 
 
@@ -104,7 +105,12 @@ def _json_twice(text: str) -> str:
 def parse_json(text: str) -> Any:
     """Raises ValueError with the fault, also for NaN and for tables in tables without end."""
     try:
-        return _checked(json.loads(text, object_pairs_hook=_pairs, parse_constant=_constant))
+        found = _checked(json.loads(text, object_pairs_hook=_pairs, parse_constant=_constant))
+        if SURROGATE.search(text):
+            json.dumps(found, ensure_ascii=False).encode()
+        return found
+    except UnicodeEncodeError:
+        raise ValueError("has half of a character of two \\u") from None
     except _Twice:
         raise ValueError(_json_twice(text)) from None
     except RecursionError:

@@ -7,7 +7,7 @@ import json
 import math
 from typing import Any, Iterator, NamedTuple
 
-from .campaign import ROBOT_NAME, Campaign, files_of, load_campaign
+from .campaign import ROBOT_NAME, Campaign, checked, files_of, load_campaign
 from .errors import FleetError, named
 from .files import digest_of_file
 from .kinds import Kind, Part
@@ -141,8 +141,11 @@ def check_plan(file, plan: Any) -> None:
             require(set(part) == set(Part._fields) and part["index"] == i and is_count(part["work"], 0), element, "is no part")
             require(part["kind"] in KINDS, f"{element}.kind", f"is {part['kind']!r}, which this version of leeway does not know")
             require(isinstance(part["robot"], str) and ROBOT_NAME.fullmatch(part["robot"]) is not None, f"{element}.robot", "is no name of a robot")
-            require(is_count(part["rows"], 0) and all(is_count(count, 1) and isinstance(name, str) for name, count in part["scenes"]), element, "has no counts")
+            require(is_count(part["rows"], 0) and all(is_count(count, 1) and (name == "" or ROBOT_NAME.fullmatch(name)) for name, count in part["scenes"]), element, "has no counts")
             require(isinstance(part["options"], dict) and isinstance(part["extra"], dict), element, "is no part")
+            options = KINDS[part["kind"]].options
+            require(set(part["options"]) == set(options), f"{element}.options", f"are not {', '.join(options)}")
+            checked(file, f"{element}.options", {name: math.inf if value == "inf" else value for name, value in part["options"].items()}, options)
             worlds = sum(count for _, count in part["scenes"])
             block = KINDS[part["kind"]].block
             shards += math.ceil(math.ceil(part["rows"] / block) * worlds / max(1, math.ceil(per_shard / block)))

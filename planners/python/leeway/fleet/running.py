@@ -147,7 +147,7 @@ def _remove(path: pathlib.Path) -> None:
 def _remove_leavings(folder: pathlib.Path) -> None:
     """Half-written files of runs that were killed."""
     for path in folder.glob("**/.*.part"):
-        path.unlink(missing_ok=True)
+        _remove(path)
 
 
 def _note(folder: pathlib.Path, summary: Summary, workers: int, begin: float) -> None:

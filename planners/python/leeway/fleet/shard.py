@@ -13,18 +13,18 @@ import threading
 import time
 from typing import Any, Callable
 
-import pyarrow.parquet
+import pyarrow
 
 from .documents import parse_json
 from .errors import DiskError, FleetError
-from .files import is_inside, read_regular
+from .files import is_inside, open_regular, read_regular
 from .maker import maker
 from .plan import Shard, blocks_of, check_plan, rows_in, segments_of, shards_of
 from .registry import KINDS
-from .tables import columns_of, concatenate, content_of, file_of, table_of
+from .tables import Column, columns_of, concatenate, content_of, file_of, read_rows, table_of, type_name
 from .worlds import Worlds
 
-__all__ = ["MOST_WRITES", "adopt", "make_rows", "make_shard", "make_shard_aside", "shard_bytes", "start", "times_of", "worlds_here", "write_atomically"]
+__all__ = ["MOST_WRITES", "adopt", "content_of_file", "make_rows", "make_shard", "make_shard_aside", "shard_bytes", "start", "times_of", "worlds_here", "write_atomically"]
 
 MOST_WRITES = 2  # shards of a process that are encoded and written at a time; the next one's rows wait
 
@@ -99,15 +99,23 @@ def adopt(plan: dict[str, Any], worlds: Worlds, folder: pathlib.Path, shard: Sha
     path = folder / shard.name
     try:
         data = read_regular(path)
-        table = pyarrow.parquet.read_table(io.BytesIO(data))
+        table = read_rows(io.BytesIO(data), rows_in(shard))
         metadata = parse_json((table.schema.metadata or {})[b"leeway"].decode())
         columns = KINDS[shard.part.kind].columns(shard.part, worlds)
         values = columns_of(columns, table)
         content = _content(shard, columns, values)
-    except (OSError, KeyError, ValueError, IndexError, pyarrow.ArrowException):
+    except (OSError, KeyError, TypeError, ValueError, IndexError, AttributeError, MemoryError, OverflowError, pyarrow.ArrowException):
         return None
     expected = _metadata(plan, shard, content)
     return _record(shard, data, content) if metadata == expected and file_of(table_of(columns, values, expected)) == data else None
+
+
+def content_of_file(path: pathlib.Path, shard: Shard) -> str:
+    """The digest of the rows that a file of this shard holds. Raises as tables.read_rows()."""
+    with open_regular(path) as file:
+        table = read_rows(file, rows_in(shard))
+    columns = [Column(field.name, type_name(field.type), "", "") for field in table.schema]
+    return _content(shard, columns, columns_of(columns, table))
 
 
 _STARTED: dict[str, tuple[Worlds, list[Shard]]] = {}  # of the one plan that this process works on
