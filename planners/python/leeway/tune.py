@@ -13,9 +13,11 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from . import _core
-from ._core import Checker
+from ._core import Checker, whole_number
 
 __all__ = ["Setting", "Tuned", "tune"]
+
+MOST_COUNT = 2**31 - 1
 
 
 class Setting(NamedTuple):
@@ -82,8 +84,10 @@ def tune(checker: Checker, *, min_d: float = 0.0, max_d: float = 0.5, check: str
     given = [(name, value) for name, value in targets.items() if value is not None]
     if len(given) > 1:
         raise ValueError("tune: give one of error, conservatism, microseconds")
-    if min(states, edges) < 1 or any(not value > 0 for _, value in given) or not 0 <= rate < float("inf"):
-        raise ValueError("tune: states and edges are at least 1, targets above 0, and rate is 0 or more")
+    states, edges = whole_number("states", states, 1, MOST_COUNT), whole_number("edges", edges, 1, MOST_COUNT)
+    seed = whole_number("seed", seed)
+    if any(not value > 0 for _, value in given) or not 0 <= rate < float("inf"):
+        raise ValueError("tune: targets are above 0, and rate is 0 or more")
     name, value = given[0] if given else ("", 0.0)
     report = _core._tune(checker, min_d, max_d, check, states, edges, seed, name, value, rate)
     proposal = report["proposal"]

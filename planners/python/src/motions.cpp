@@ -98,10 +98,10 @@ private:
 
 /// @param ask status = ask( query, i, result )
 template <typename Ask>
-nb::object checkAll( const PyChecker& checker, std::size_t count, unsigned threads, const char* name, const Ask& ask )
+nb::object checkAll( const PyChecker& checker, std::size_t count, const Whole& threads, const char* name, const Ask& ask )
 {
 	const Motions motions( checker, count );
-	inBlocks( *checker.queries, count, block_of_motions, threads,
+	inBlocks( *checker.queries, count, block_of_motions, threads.threads(),
 	    [&]( lw_query* query, std::size_t begin, std::size_t end )
 	    {
 		    for ( std::size_t i = begin; i < end; ++i )
@@ -122,7 +122,7 @@ nb::object checkAll( const PyChecker& checker, std::size_t count, unsigned threa
 
 nb::object edges( const PyChecker& checker, const Doubles& a, const Doubles& b, double min_d, double slack,
     const std::string& check, const nb::object& step, const nb::object& tolerance, bool proved_until, double alpha,
-    unsigned threads )
+    const Whole& threads )
 {
 	const Rows from = rowsOf( a, checker.variables(), "a", "variables of the group" );
 	const Rows to = rowsOf( b, checker.variables(), "b", "variables of the group" );
@@ -137,7 +137,7 @@ nb::object edges( const PyChecker& checker, const Doubles& a, const Doubles& b, 
 }
 
 nb::object path( const PyChecker& checker, const Doubles& q, double min_d, double slack, const std::string& check,
-    const nb::object& step, const nb::object& tolerance, bool proved_until, double alpha, unsigned threads )
+    const nb::object& step, const nb::object& tolerance, bool proved_until, double alpha, const Whole& threads )
 {
 	const Rows rows = rowsOf( q, checker.variables(), "q", "variables of the group" );
 	if ( rows.count < 2 )
@@ -151,7 +151,7 @@ nb::object path( const PyChecker& checker, const Doubles& q, double min_d, doubl
 }
 
 nb::object curves( const PyChecker& checker, const Doubles& points, double min_d, double slack, const std::string& check,
-    const nb::object& tolerance, unsigned threads )
+    const nb::object& tolerance, const Whole& threads )
 {
 	const std::size_t width = checker.variables();
 	if ( points.dimensions() != 3 || points.shape( 2 ) != width || points.shape( 1 ) < 2 ||
@@ -171,7 +171,7 @@ nb::object curves( const PyChecker& checker, const Doubles& points, double min_d
 
 nb::object trajectory( const PyChecker& checker, const Doubles& times, const nb::object& positions,
     const nb::object& velocities, const nb::object& accelerations, double min_d, double slack, const std::string& check,
-    const nb::object& tolerance, unsigned threads )
+    const nb::object& tolerance, const Whole& threads )
 {
 	const Rows q = rowsOf( positions, checker.variables(), "positions", "variables of the group" );
 	const double* t = vectorOf( times, q.count, "times", "seconds, one for each position" );
@@ -212,7 +212,7 @@ void bindMotions( nb::class_<PyChecker>& type )
 	constexpr double slack = 1e-3;
 	const double alpha = lw_edge_def_default().alpha;
 	type.def( "edges", &edges, "a"_a, "b"_a, nb::kw_only(), "min_d"_a = 0.0, "slack"_a = slack, "check"_a = "both",
-	    "step"_a = nb::none(), "tolerance"_a = nb::none(), "proved_until"_a = false, "alpha"_a = alpha, "threads"_a = 1,
+	    "step"_a = nb::none(), "tolerance"_a = nb::none(), "proved_until"_a = false, "alpha"_a = alpha, "threads"_a.none() = 1,
 	    nb::sig(
 	        "def edges(self, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike, *, min_d: float = 0.0, slack: float = 0.001, "
 	        "check: str = 'both', step: float | None = None, tolerance: numpy.typing.ArrayLike | None = None, "
@@ -225,14 +225,14 @@ void bindMotions( nb::class_<PyChecker>& type )
 	    "Returns arrays [n]: verdicts (leeway.Verdict), t of the colliding or undecided state, proved lower bounds of all clearances,\n"
 	    "shares proved, and of the deciding pair: indices into `names`, clearance, witnesses [n, 2, 3]." );
 	type.def( "path", &path, "q"_a, nb::kw_only(), "min_d"_a = 0.0, "slack"_a = slack, "check"_a = "both",
-	    "step"_a = nb::none(), "tolerance"_a = nb::none(), "proved_until"_a = false, "alpha"_a = alpha, "threads"_a = 1,
+	    "step"_a = nb::none(), "tolerance"_a = nb::none(), "proved_until"_a = false, "alpha"_a = alpha, "threads"_a.none() = 1,
 	    nb::sig(
 	        "def path(self, q: numpy.typing.ArrayLike, *, min_d: float = 0.0, slack: float = 0.001, check: str = 'both', "
 	        "step: float | None = None, tolerance: numpy.typing.ArrayLike | None = None, proved_until: bool = False, "
 	        "alpha: float = 0.1, threads: int = 1) -> leeway.results.Motions" ),
 	    "edges( q[:-1], q[1:] ): the n - 1 edges of a path, float64 [n, dof]." );
 	type.def( "curves", &curves, "points"_a, nb::kw_only(), "min_d"_a = 0.0, "slack"_a = slack, "check"_a = "both",
-	    "tolerance"_a = nb::none(), "threads"_a = 1,
+	    "tolerance"_a = nb::none(), "threads"_a.none() = 1,
 	    nb::sig(
 	        "def curves(self, points: numpy.typing.ArrayLike, *, min_d: float = 0.0, slack: float = 0.001, check: str = 'both', "
 	        "tolerance: numpy.typing.ArrayLike | None = None, threads: int = 1) -> leeway.results.Motions" ),
@@ -240,7 +240,7 @@ void bindMotions( nb::class_<PyChecker>& type )
 	    "results as for edges()." );
 	type.def( "trajectory", &trajectory, "times"_a, "positions"_a, "velocities"_a = nb::none(),
 	    "accelerations"_a = nb::none(), nb::kw_only(), "min_d"_a = 0.0, "slack"_a = slack, "check"_a = "both",
-	    "tolerance"_a = nb::none(), "threads"_a = 1,
+	    "tolerance"_a = nb::none(), "threads"_a.none() = 1,
 	    nb::sig(
 	        "def trajectory(self, times: numpy.typing.ArrayLike, positions: numpy.typing.ArrayLike, "
 	        "velocities: numpy.typing.ArrayLike | None = None, accelerations: numpy.typing.ArrayLike | None = None, *, "
