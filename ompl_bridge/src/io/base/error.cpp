@@ -54,6 +54,15 @@ std::string printable( const std::string& text )
 	return out;
 }
 
+/// Names of files and elements come from files: one of a million letters is told by its ends.
+std::string shortened( const std::string& part )
+{
+	constexpr std::size_t longest = 600, first = 360, last = 120;
+	return part.size() <= longest ? part
+	                              : fmt::format( "{} ... ({} letters) ... {}", part.substr( 0, first ), part.size(),
+	                                    part.substr( part.size() - last ) );
+}
+
 /// "<file>: <element>: <problem>; <remedy>" with empty parts left out, printable.
 std::string oneLine(
     const std::string& file, const std::string& element, const std::string& problem, const std::string& remedy )
@@ -63,13 +72,13 @@ std::string oneLine(
 	{
 		if ( !part->empty() )
 		{
-			line += *part + ": ";
+			line += shortened( *part ) + ": ";
 		}
 	}
-	line += problem;
+	line += shortened( problem );
 	if ( !remedy.empty() )
 	{
-		line += "; " + remedy;
+		line += "; " + shortened( remedy );
 	}
 	return printable( line );
 }
@@ -177,11 +186,6 @@ bool isUtf8( std::string_view text )
 		text.remove_prefix( count );
 	}
 	return true;
-}
-
-std::string readFile( const std::string& file )
-{
-	return readWholeFile( file );
 }
 
 std::optional<double> parseNumber( std::string_view text )
