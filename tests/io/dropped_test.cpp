@@ -37,11 +37,13 @@ const std::vector<Meaningless> urdf_table = {
 };
 const std::vector<Meaningless> srdf_table = {
 	{ "robot/end_effector", "which group is a hand: no geometry, and no pair" },
+	{ "robot@name", "without a name it is taken to be of the robot at hand; another name is a notice" },
 	{ "robot/passive_joint", "a joint without a motor moves in its limits like others, if a group has it" },
 };
 const std::vector<Meaningless> scene_table = {
 	{ "robot_model_name", "the robot is named by --robot" },
 	{ "world.collision_objects[].operation", "ADD, the only one that is not refused, is the default" },
+	{ "allowed_collision_matrix.entry_values[=][=]", "a thing against itself" },
 	{ "world.collision_objects[].header.stamp", "when the message was sent" },
 };
 const std::vector<Meaningless> request_table = {
@@ -92,7 +94,7 @@ std::string text( const std::vector<Notice>& notices )
 
 std::string text( const RobotModel& model )
 {
-	std::string out = fmt::format( "root {}, frame {}\n", model.root_link, model.planning_frame );
+	std::string out = fmt::format( "{}: root {}, frame {}\n", model.name, model.root_link, model.planning_frame );
 	for ( const LinkModel& link : model.links )
 	{
 		out += link.name + text( link.collision ) + "\n";
@@ -550,7 +552,8 @@ void addMutants( const YAML::Node& root, std::vector<Step> path, const std::stri
 	for ( std::size_t i = 0; here.IsSequence() && i < here.size(); ++i )
 	{
 		path.push_back( { "", i } );
-		addMutants( root, path, field + "[]", out );
+		const bool diagonal = path.size() > 1 && path[path.size() - 2].key.empty() && path[path.size() - 2].index == i;
+		addMutants( root, path, diagonal ? field.substr( 0, field.size() - 2 ) + "[=][=]" : field + "[]", out );
 		path.pop_back();
 	}
 	for ( auto entry = here.begin(); here.IsMap() && entry != here.end(); ++entry )
@@ -574,7 +577,7 @@ TEST_F( DroppedTest, AFieldOfAFileHasNoSay )
 {
 	SeededRng rng;
 	std::set<std::string> met[4];
-	for ( int i = 0; i < 3; ++i )
+	for ( int i = 0; i < 2; ++i )
 	{
 		urdf = randomUrdf( rng );
 		srdf = randomSrdf( rng );

@@ -111,10 +111,10 @@ TEST_F( MeshTest, WordsOfAsciiStlArePassedOver )
 		write( "m.stl", text.replace( at, from.size(), to ) );
 		expectError( [&] { load( "m.stl" ); }, { "m.stl", problem } );
 	};
-	refused( "vertex 1.0", "vertex 1.000,5", "line 5: has \"1.000,5\" where a finite number should be" );
-	refused( "vertex 1.0", "vertex nan", "has \"nan\"" );
-	refused( "vertex 1.0", "vertx 1.0", "has \"vertx\" where vertex should be" );
-	refused( "vertex 1.0", std::string( "vertex 1\0", 9 ), "where a finite number should be" );
+	refused( "vertex 1.000000", "vertex 1.000,5", "line 5: has \"1.000,5\" where a finite number should be" );
+	refused( "vertex 1.000000", "vertex nan", "has \"nan\"" );
+	refused( "vertex 1.000000", "vertx 1.0", "has \"vertx\" where vertex should be" );
+	refused( "vertex 1.000000", std::string( "vertex 1\0", 9 ), "where a finite number should be" );
 	refused( "endloop\nendfacet", "endloop", "has \"facet\" where endfacet should be" );
 	refused( "endloop", "vertex 0 0 0\nendloop", "where endloop should be" );
 	refused( "endsolid tetrahedron\n", "", "ends where endsolid should be: it was cut short" );

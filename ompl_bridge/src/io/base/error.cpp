@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Errors of the readers, and the text handling that all of them use.
 #include "base/io_internal.hpp"
+#include "leeway/io/printable.hpp"
 
 #include <charconv>
 #include <fmt/format.h>
@@ -38,7 +39,8 @@ std::size_t characterBytes( std::string_view text )
 	return wrong ? 0 : count;
 }
 
-/// On one line and in UTF-8: line breaks become blanks, other bytes that cannot be printed \xNN.
+} // namespace
+
 std::string printable( const std::string& text )
 {
 	std::string out;
@@ -53,6 +55,9 @@ std::string printable( const std::string& text )
 	}
 	return out;
 }
+
+namespace
+{
 
 /// Names of files and elements come from files: one of a million letters is told by its ends.
 std::string shortened( const std::string& part )
