@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <set>
@@ -99,7 +100,14 @@ CsvTable readCsv( const std::string& name )
 {
 	const bool standard_input = name == "-";
 	const std::string file = standard_input ? "standard input" : name;
-	std::istringstream stream( io::readWholeFile( standard_input ? "/dev/stdin" : name ) );
+	const std::string bytes = io::readWholeFile( standard_input ? "/dev/stdin" : name );
+	if ( const std::size_t zero = bytes.find( '\0' ); zero != std::string::npos )
+	{
+		const auto end = bytes.begin() + static_cast<std::ptrdiff_t>( zero );
+		throw io::Error( file, fmt::format( "line {}", 1 + std::count( bytes.begin(), end, '\n' ) ), "has a byte 0: this is no text",
+		    "give a table of comma-separated values" );
+	}
+	std::istringstream stream( bytes );
 	CsvTable table;
 	table.file = file;
 	std::string text;
@@ -146,6 +154,11 @@ double CsvTable::value( std::size_t row, std::size_t column ) const
 		throw io::Error( file, fmt::format( "line {}, column '{}'", rows[row].line, header[column] ),
 		    cell.empty() ? "the value is missing" : fmt::format( "'{}' is not a finite number", cell ),
 		    "give a finite number in radians or metres" );
+	}
+	if ( std::fabs( *number ) > largest_number )
+	{
+		throw io::Error( file, fmt::format( "line {}, column '{}'", rows[row].line, header[column] ),
+		    fmt::format( "{:g} is beyond {:g}", *number, largest_number ), "give radians, metres or seconds" );
 	}
 	return *number;
 }

@@ -167,6 +167,10 @@ PathFile readPath( const std::string& file )
 	std::size_t bytes = 0;
 	const std::vector<YAML::Node> documents = loadYaml( file, &bytes );
 	const YAML::Node root = documents.empty() ? YAML::Node() : documents.front();
+	if ( documents.size() > 1 )
+	{
+		throw io::Error( file, "path", fmt::format( "is one of {} documents", documents.size() ), "give one path" );
+	}
 	if ( !root.IsMap() )
 	{
 		throw io::Error(

@@ -78,6 +78,13 @@ Step readStep( const std::string& file, const std::string& element, const YAML::
 	{
 		step.file = ( std::filesystem::path( file ).parent_path() / step.file ).string();
 	}
+	std::error_code error;
+	const std::filesystem::file_status found = std::filesystem::status( step.file, error );
+	if ( step.kind == Step::Kind::trajectory && std::filesystem::exists( found ) && !std::filesystem::is_regular_file( found ) )
+	{
+		// Only options name streams of the program
+		throw io::Error( file, at, fmt::format( "{} is not a file", step.file ), "name a file" );
+	}
 	if ( step.kind == Step::Kind::attach )
 	{
 		step.link = textOf( file, child( node, "link" ), element + ".link" );
@@ -98,6 +105,13 @@ std::vector<Step> readSteps( const std::string& file )
 	if ( !list.IsDefined() || !list.IsSequence() )
 	{
 		throw io::Error( file, "steps", "is missing or no list", "write a list steps; " + std::string( remedy ) );
+	}
+	for ( const auto& entry : documents.front() )
+	{
+		if ( entry.first.Scalar() != "steps" )
+		{
+			throw io::Error( file, entry.first.Scalar(), "is unknown beside steps", remedy );
+		}
 	}
 	std::vector<Step> steps;
 	for ( std::size_t i = 0; i < list.size(); ++i )

@@ -2,6 +2,7 @@
 // Timed trajectories as files: see trajectory_file.hpp.
 #include "leeway/motions/trajectory_file.hpp"
 
+#include "leeway/io/keys.hpp"
 #include "leeway/io/limits.hpp"
 #include "leeway/io/model.hpp"
 #include "motions/csv.hpp"
@@ -290,6 +291,66 @@ bool endsWith( const std::string& text, const std::string& end )
 	return text.size() >= end.size() && text.compare( text.size() - end.size(), end.size(), end ) == 0;
 }
 
+/// A key that is misspelt would be a limit less. @param unused keys of MoveIt that have no say here
+void checkLimitKeys( const std::string& file, const std::string& element, const YAML::Node& map, const std::vector<std::string>& used,
+    const std::vector<std::string>& unused, std::vector<io::Notice>& notices )
+{
+	for ( const auto& entry : map )
+	{
+		const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+		const std::string at = element.empty() ? key : element + "." + key;
+		if ( std::find( unused.begin(), unused.end(), key ) != unused.end() )
+		{
+			notices.push_back( { file, at, "is not used: velocities and accelerations bound the motion, the URDF its joints" } );
+		}
+		else if ( std::find( used.begin(), used.end(), key ) == used.end() )
+		{
+			const std::string meant = io::meantKey( key, used );
+			throw io::Error( file, at, "this key is not known" + ( meant.empty() ? "" : ": is " + meant + " meant?" ),
+			    meant.empty() ? "remove it" : "write " + meant + ", or remove it" );
+		}
+	}
+}
+
+void readLimitsOf( const std::string& file, const std::string& name, const YAML::Node& joint, JointLimits& limits )
+{
+	const std::string element = "joint_limits." + name;
+	if ( !joint.IsMap() )
+	{
+		throw io::Error( file, element, "is no map of limits", "write has_velocity_limits, max_velocity and their kind below it" );
+	}
+	checkLimitKeys( file, element, joint, { "has_velocity_limits", "max_velocity", "has_acceleration_limits", "max_acceleration" },
+	    { "has_position_limits", "min_position", "max_position", "has_deceleration_limits", "max_deceleration", "has_jerk_limits", "max_jerk",
+	        "has_effort_limits", "max_effort", "angle_wraparound", "has_soft_limits", "soft_lower_limit", "soft_upper_limit", "k_position",
+	        "k_velocity" },
+	    limits.notices );
+	const auto read = [&]( const char* has, const char* key, std::map<std::string, double>& out )
+	{
+		const YAML::Node flag = child( joint, has ), value = child( joint, key );
+		bool given = false;
+		if ( flag.IsDefined() && !YAML::convert<bool>::decode( flag, given ) )
+		{
+			throw io::Error( file, element + "." + has, "is neither true nor false", "write true or false" );
+		}
+		const std::string at = element + "." + key;
+		const double limit = given || value.IsDefined() ? finiteValue( file, value.IsDefined() ? value : YAML::Node(), at ) : 0;
+		if ( given && !( limit > 0 ) )
+		{
+			throw io::Error( file, at, "is not above 0", "give a limit above 0, or set its has_ flag to false" );
+		}
+		if ( given )
+		{
+			out[name] = limit;
+		}
+		else if ( limit != 0 ) // MoveIt writes 0 where there is none
+		{
+			limits.notices.push_back( { file, at, fmt::format( "is not used: {} is not true", has ) } );
+		}
+	};
+	read( "has_velocity_limits", "max_velocity", limits.velocity );
+	read( "has_acceleration_limits", "max_acceleration", limits.acceleration );
+}
+
 } // namespace
 
 std::vector<TrajectoryFile> readTrajectories( const std::string& file )
@@ -321,32 +382,18 @@ JointLimits readJointLimits( const std::string& file )
 {
 	std::size_t bytes = 0;
 	const std::vector<YAML::Node> documents = loadYaml( file, &bytes );
-	const YAML::Node joints = documents.empty() ? YAML::Node() : child( documents.front(), "joint_limits" );
+	const YAML::Node joints = documents.size() == 1 ? child( documents.front(), "joint_limits" ) : YAML::Node();
 	if ( !joints.IsDefined() || !joints.IsMap() )
 	{
-		throw io::Error( file, "joint_limits", "is missing or no map", "give MoveIt's joint_limits.yaml" );
+		throw io::Error( file, "joint_limits", documents.size() > 1 ? "is in one of several documents" : "is missing or no map",
+		    "give MoveIt's joint_limits.yaml" );
 	}
 	JointLimits limits;
+	const std::vector<std::string> unused = { "default_velocity_scaling_factor", "default_acceleration_scaling_factor" };
+	checkLimitKeys( file, "", documents.front(), { "joint_limits" }, unused, limits.notices );
 	for ( const auto& joint : joints )
 	{
-		const std::string name = joint.first.Scalar();
-		const auto read = [&]( const char* has, const char* key, std::map<std::string, double>& out )
-		{
-			const YAML::Node flag = child( joint.second, has ), value = child( joint.second, key );
-			const std::string text = flag.IsDefined() && flag.IsScalar() ? flag.Scalar() : "false";
-			if ( text != "true" && text != "True" )
-			{
-				return;
-			}
-			const std::string element = fmt::format( "joint_limits.{}.{}", name, key );
-			out[name] = finiteValue( file, value.IsDefined() ? value : YAML::Node(), element );
-			if ( !( out[name] > 0 ) )
-			{
-				throw io::Error( file, element, "is not above 0", "give a limit above 0, or set its has_ flag to false" );
-			}
-		};
-		read( "has_velocity_limits", "max_velocity", limits.velocity );
-		read( "has_acceleration_limits", "max_acceleration", limits.acceleration );
+		readLimitsOf( file, joint.first.Scalar(), joint.second, limits );
 	}
 	return limits;
 }

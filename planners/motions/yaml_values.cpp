@@ -34,6 +34,11 @@ std::vector<YAML::Node> loadYaml( const std::string& file, std::size_t* out_byte
 			try
 			{
 				documents.push_back( YAML::Load( document ) );
+				if ( io::holdsSeveralDocuments( document ) )
+				{
+					throw io::Error( file, fmt::format( "line {}", begin_line + 1 ), "a second document begins without a line ---",
+					    "write --- between them, or give one" );
+				}
 				io::requireSoundDocument( file, documents.back(), document.size(), begin_line );
 			}
 			catch ( const YAML::Exception& error )
@@ -52,9 +57,6 @@ std::vector<YAML::Node> loadYaml( const std::string& file, std::size_t* out_byte
 	    documents.end() );
 	return documents;
 }
-
-/// No robot moves as far, as fast or as long; products of a few such numbers are finite.
-constexpr double largest_number = 1e15;
 
 double finiteValue( const std::string& file, const YAML::Node& node, const std::string& element )
 {

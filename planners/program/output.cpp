@@ -2,6 +2,8 @@
 // Notices, progress and all-or-nothing result files.
 #include "program/output.hpp"
 
+#include "leeway/io/printable.hpp"
+
 #include <fmt/format.h>
 
 #include <cerrno>
@@ -196,7 +198,7 @@ void Notices::add( const std::string& kind, const std::string& text )
 	m_all.push_back( text );
 	if ( m_counts[kind]++ < m_limit )
 	{
-		tell( "leeway: notice: {}\n", text );
+		tell( "leeway: notice: {}\n", io::printable( text ) );
 	}
 }
 

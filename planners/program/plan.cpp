@@ -727,6 +727,7 @@ int runPlan( const PlanOptions& options )
 	{
 		limits = readJointLimits( options.joint_limits );
 		readsFile( "--joint-limits", options.joint_limits );
+		notices.add( "joint limits", limits.notices );
 	}
 	OutputFile out( "--out", options.out ), report( "--report", options.report ),
 	    timed( "--trajectory", options.trajectory );

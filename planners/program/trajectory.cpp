@@ -171,6 +171,7 @@ int runTrajectoryAudit( const AuditOptions& options )
 	{
 		settings.limits = readJointLimits( options.joint_limits );
 		readsFile( "--joint-limits", options.joint_limits );
+		notices.add( "joint limits", settings.limits.notices );
 	}
 	OutputFile report( "--report", options.report ), profile_file( "--profile", options.profile );
 	ViewFile view( options.view );

@@ -52,6 +52,7 @@ const std::vector<Target>& targets()
 	static const std::vector<Target> all = {
 	    { "mesh_stl", meshStl, text, "mesh_stl" },
 	    { "mesh_obj", meshObj, text, "mesh_obj" },
+	    { "mesh_off", meshOff, text, "mesh_off" },
 	    { "mesh_ply", meshPly, text, "mesh_ply" },
 	    { "mesh_dae", meshDae, text, "mesh_dae" },
 	    { "mesh_gltf", meshGltf, text, "mesh_gltf" },
@@ -66,6 +67,7 @@ const std::vector<Target>& targets()
 	    { "settings", settings, text, "settings" },
 	    { "csv", csv, text, "csv" },
 	    { "path", path, text, "path" },
+	    { "steps", steps, text, "steps" },
 	    { "shape_blob", shapeBlob, binary, "shape_blob" },
 	    { "reach_blob", reachBlob, binary, "reach_blob" },
 	    { "cache_file", cacheFile, binary, "cache_file" },

@@ -4,6 +4,7 @@
 
 #include "motions/csv.hpp"
 #include "leeway/motions/path_file.hpp"
+#include "leeway/motions/steps_file.hpp"
 #include "leeway/motions/trajectory_file.hpp"
 
 #include <cmath>
@@ -174,6 +175,26 @@ void path( Input input )
 		    } );
 	}
 	reads( [&] { leeway::motions::readJointLimits( file ); } );
+}
+
+void steps( Input input )
+{
+	const std::string file = put( "input.yaml", input );
+	reads(
+	    [&]
+	    {
+		    bool moves = false;
+		    for ( const leeway::motions::Step& step : leeway::motions::readSteps( file ) )
+		    {
+			    using Kind = leeway::cli::Step::Kind;
+			    const bool with_link = step.kind == Kind::attach || step.kind == Kind::allow || step.kind == Kind::forbid;
+			    moves = moves || step.kind == Kind::trajectory;
+			    expect( ( step.kind == Kind::trajectory ) == !step.file.empty(), "a step with a trajectory has its file, no other has one" );
+			    expect( step.kind == Kind::trajectory || !step.object.empty(), "a change of the world names an object" );
+			    expect( with_link == !step.link.empty(), "an object that is attached or allowed to touch has a link" );
+		    }
+		    expect( moves, "steps have a trajectory" );
+	    } );
 }
 
 } // namespace fuzz

@@ -282,6 +282,58 @@ TEST_F( CliMessages, OddTimesAndNumbersAreLocatedErrors )
 	expect( "/points/1/velocities", "[1e308, 0]", "points[1].velocities[0]" );
 }
 
+/// A limit that is misspelt, or switched on by a word that is no true, would be a limit less.
+TEST_F( CliMessages, JointLimitsAreDropped )
+{
+	write( "t.json", trajectory().dump() );
+	const auto said = [&]( const std::string& text )
+	{
+		write( "l.yaml", text );
+		const Outcome outcome = runModel( "audit", { "--trajectory", "t.json", "--joint-limits", "l.yaml" } );
+		return std::to_string( outcome.status ) + " " + outcome.err;
+	};
+	const std::string on = "joint_limits:\n  shoulder:\n    has_velocity_limits: true\n    max_velocity: 0.001\n";
+	EXPECT_EQ( said( on ).substr( 0, 2 ), "1 " );
+	for ( const char* yes : { "yes", "True", "TRUE", "on" } )
+	{
+		EXPECT_EQ( said( "joint_limits: {shoulder: {has_velocity_limits: " + std::string( yes ) + ", max_velocity: 0.001}}\n" ).substr( 0, 2 ), "1 " );
+	}
+	for ( const auto& [text, problem] : { std::pair( std::string( "joint_limits: {shoulder: {has_velocity_limits: maybe}}\n" ), "neither true nor false" ),
+	          std::pair( std::string( "joint_limits: {shoulder: {has_velocity_limits: [[1]]}}\n" ), "neither true nor false" ),
+	          std::pair( std::string( "joint_limits: {shoulder: {has_velocity_limit: true}}\n" ), "is has_velocity_limits meant?" ),
+	          std::pair( std::string( "joint_limits: {shoulder: {zebra: 1}}\n" ), "zebra" ), std::pair( std::string( "joint_limits: {shoulder: 3}\n" ), "is no map" ),
+	          std::pair( on + "zebra: 1\n", "zebra" ), std::pair( on + "---\n" + on, "several documents" ),
+	          std::pair( std::string( "joint_limits: {shoulder: {max_velocity: x}}\n" ), "finite number" ) } )
+	{
+		const std::string told = said( text );
+		EXPECT_TRUE( told.substr( 0, 2 ) == "2 " && contains( told, problem ) && contains( told, "l.yaml" ) ) << text << told;
+	}
+	EXPECT_TRUE( contains( said( on + "    has_position_limits: true\n" ), "has_position_limits: is not used" ) );
+	EXPECT_TRUE( contains( said( "joint_limits: {shoulder: {has_velocity_limits: false, max_velocity: 3}}\n" ), "has_velocity_limits is not true" ) );
+	EXPECT_FALSE( contains( said( on + "    has_acceleration_limits: false\n    max_acceleration: 0\n" ), "notice" ) );
+}
+
+TEST_F( CliMessages, DocumentsAfterTheFirstAreDropped )
+{
+	const std::string points = "joint_names: [shoulder, elbow]\npoints: [[-0.6, 0], [-0.5, 0]]\n";
+	write( "p.yaml", points );
+	EXPECT_EQ( runModel( "audit", { "--path", "p.yaml" } ).status, 0 );
+	write( "p.yaml", points + "---\n" + points );
+	EXPECT_TRUE( contains( runModel( "audit", { "--path", "p.yaml" } ).err, "is one of 2 documents" ) );
+	const std::string one = trajectory().dump();
+	for ( const std::string& text : { one + one, one + "\n" + one, one + "\n--- " + one, one + "\n...\n" + one } )
+	{
+		write( "t.json", text );
+		const Outcome outcome = runModel( "audit", { "--trajectory", "t.json" } );
+		EXPECT_TRUE( outcome.status == 2 && contains( outcome.err, "second document" ) ) << text << outcome.err;
+	}
+	write( "t.json", "---\n" + one + "\n---\n" ); // as ros2 topic echo ends
+	EXPECT_NE( runModel( "audit", { "--trajectory", "t.json" } ).status, 2 );
+	write( "t.csv", "time,shoulder,elbow\n0,-0.6,0\n1,-1e308,0\n" );
+	const Outcome far = runModel( "audit", { "--trajectory", "t.csv" } );
+	EXPECT_TRUE( far.status == 2 && contains( far.err, "line 3" ) && contains( far.err, "beyond 1e+15" ) ) << far.err;
+}
+
 TEST_F( CliMessages, KeysThatAreThereTwiceAreErrorsWithBothLines )
 {
 	write( "t.yaml",

@@ -116,4 +116,5 @@ TEST_F( CliSteps, BadStepsNameTheElementAndTheRemedy )
 	EXPECT_TRUE( contains( error( reach + "- allow: [cup]\n" ), "steps[1].allow: is no pair" ) );
 	EXPECT_TRUE( contains( error( "- trajectory: none.csv\n" ), "none.csv" ) );
 	EXPECT_TRUE( contains( error( reach + "- 3\n" ), "steps[1]" ) );
+	EXPECT_TRUE( contains( error( reach + "step: []\n" ), "step: is unknown beside steps" ) );
 }

@@ -20,6 +20,9 @@ namespace leeway::io
 void requireSoundDocument(
     const std::string& file, const YAML::Node& root, std::size_t text_size, std::size_t first_line = 0 );
 
+/// Are there two YAML documents or more in the text, or two values of JSON? YAML::Load() reads the first and leaves out the rest.
+bool holdsSeveralDocuments( const std::string& text );
+
 /// Is a value of a message empty: null, false, 0, an empty text, a list of such scalars, a map of such values?
 bool saysNothing( const YAML::Node& value );
 

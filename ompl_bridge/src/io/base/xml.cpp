@@ -107,7 +107,7 @@ std::optional<XmlProblem> parseXml( tinyxml2::XMLDocument& document, std::string
 
 XmlFile::XmlFile( const std::string& file, const char* kind ) : m_path( file )
 {
-	if ( const std::optional<XmlProblem> problem = parseXml( m_doc, readFile( file ) ) )
+	if ( const std::optional<XmlProblem> problem = parseXml( m_doc, readWholeFile( file ) ) )
 	{
 		throw Error( file, fmt::format( "line {}", problem->line ), problem->text, "correct the file at that line" );
 	}

@@ -129,16 +129,6 @@ bool isOneMap( const std::string& text )
 	return begun;
 }
 
-/// Parses at most two documents. YAML::LoadAll() never ends on text that no document can begin with: it finds an empty
-/// document there, again and again.
-bool hasSeveralDocuments( const std::string& text )
-{
-	std::istringstream stream( text );
-	YAML::Parser parser( stream );
-	Nobody nobody;
-	return parser.HandleNextDocument( nobody ) && parser.HandleNextDocument( nobody );
-}
-
 } // namespace
 
 YamlNode YamlNode::load( const std::string& file, std::vector<Notice>& notices )
@@ -146,10 +136,10 @@ YamlNode YamlNode::load( const std::string& file, std::vector<Notice>& notices )
 	YamlNode root;
 	root.m_file = std::make_shared<const std::string>( file );
 	root.m_notices = &notices;
-	std::string text = readFile( file );
+	std::string text = readWholeFile( file );
 	try
 	{
-		if ( !isOneMap( text ) && hasSeveralDocuments( text ) )
+		if ( holdsSeveralDocuments( text ) )
 		{
 			throw Error( file, "", "holds several YAML documents", "keep one" );
 		}
@@ -497,6 +487,10 @@ lw_transform YamlNode::pose() const
 			fail( fmt::format( "a pose has no key {}", entry.first.IsScalar() ? entry.first.Scalar() : "like this" ),
 			    "write position and orientation, or translation and rotation" );
 		}
+		if ( entry.second.IsNull() )
+		{
+			fail( fmt::format( "{} is empty", entry.first.Scalar() ), "write its numbers, or remove the key: the file may be cut short" );
+		}
 	}
 	YamlNode position = firstOf( { "position", "translation" } );
 	YamlNode orientation = firstOf( { "orientation", "rotation" } );
@@ -585,6 +579,20 @@ void leeway::io::requireSoundDocument(
     const std::string& file, const YAML::Node& root, std::size_t text_size, std::size_t first_line )
 {
 	detail::DocumentCheck( file, text_size, first_line ).visit( root );
+}
+
+/// Parses at most two documents. YAML::LoadAll() never ends on text that no document can begin with: it finds an empty
+/// document there, again and again.
+bool leeway::io::holdsSeveralDocuments( const std::string& text )
+{
+	if ( detail::isOneMap( text ) )
+	{
+		return false;
+	}
+	std::istringstream stream( text );
+	YAML::Parser parser( stream );
+	detail::Nobody nobody;
+	return parser.HandleNextDocument( nobody ) && parser.HandleNextDocument( nobody );
 }
 
 bool leeway::io::saysNothing( const YAML::Node& value )

@@ -156,7 +156,30 @@ std::string checkedMesh( const std::string& extension, std::string bytes )
 	{
 		checkObj( bytes );
 	}
+	if ( extension == ".off" )
+	{
+		checkOff( bytes );
+	}
 	return bytes;
+}
+
+void checkOff( std::string_view bytes )
+{
+	std::size_t line = 0;
+	for ( std::size_t at = 0; at < bytes.size(); ++line )
+	{
+		const std::size_t end = std::min( bytes.find( '\n', at ), bytes.size() );
+		const std::string_view text = bytes.substr( at, end - at );
+		for ( const std::string& word : splitBlanks( text.substr( 0, text.find( '#' ) ) ) )
+		{
+			const bool head = line == 0 && word.size() >= 3 && word.compare( word.size() - 3, 3, "OFF" ) == 0; // COFF, 4OFF
+			if ( !head && !parseNumber( word ) )
+			{
+				throw MeshProblem{ fmt::format( "line {} has \"{}\" where a number should be", line + 1, word.substr( 0, 40 ) ) };
+			}
+		}
+		at = end + 1;
+	}
 }
 
 void checkObj( const std::string& bytes )

@@ -42,8 +42,10 @@ std::vector<TrajectoryFile> readTrajectories( const std::string& file );
 struct JointLimits
 {
 	std::map<std::string, double> velocity, acceleration;
+	std::vector<io::Notice> notices; ///< keys that have no say
 };
-/// MoveIt's joint_limits.yaml: has_velocity_limits, max_velocity, has_acceleration_limits, max_acceleration.
+/// MoveIt's joint_limits.yaml: has_velocity_limits, max_velocity, has_acceleration_limits, max_acceleration. Its other keys are notices,
+/// unknown ones are errors.
 /// @throws io::Error
 JointLimits readJointLimits( const std::string& file );
 
