@@ -186,7 +186,7 @@ void steps( Input input )
 		    bool moves = false;
 		    for ( const leeway::motions::Step& step : leeway::motions::readSteps( file ) )
 		    {
-			    using Kind = leeway::cli::Step::Kind;
+			    using Kind = leeway::motions::Step::Kind;
 			    const bool with_link = step.kind == Kind::attach || step.kind == Kind::allow || step.kind == Kind::forbid;
 			    moves = moves || step.kind == Kind::trajectory;
 			    expect( ( step.kind == Kind::trajectory ) == !step.file.empty(), "a step with a trajectory has its file, no other has one" );
