@@ -396,15 +396,6 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	}
 }
 
-bool lwi_checker_cluster_is_near( const lw_checker* checker, lw_query* query, uint32_t cluster, double limit )
-{
-	const lwi_bound bound = { .cutoff = limit };
-	const lw_range range = { 0, limit, 0 };
-	choose_obstacles( checker, query, &range, false );
-	return ( checker->environment.clusters[cluster] & LWI_CLUSTER_CHECKED ) != 0 &&
-		   meets_scene( checker, query, 2 * cluster, &bound );
-}
-
 uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query, uint32_t body, double limit )
 {
 	const lw_range range = { 0, limit, 0 };

@@ -528,33 +528,6 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	}
 }
 
-uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uint32_t index, double limit )
-{
-	const lwi_cluster_pair* pair = &checker->base->tree->self.pairs[index];
-	const lwi_bound bound = { .cutoff = limit };
-	uint32_t count = 0;
-	const double* a = lwi_sphere( checker, query, 2 * pair->cluster_a );
-	if ( !( query->pose.tables && pair->separation >= limit ) &&
-		 gap_below( a, lwi_sphere( checker, query, 2 * pair->cluster_b ), pair->margin, limit ) < INFINITY )
-	{
-		lwi_candidate only = cluster_pair( checker, index, 0 );
-		if ( only.pair < LWI_OPEN )
-		{
-			query->scratch.candidates[count++] = only;
-		}
-		else
-		{
-			open_pair( checker, query, pair, &bound, &count );
-		}
-	}
-	return count;
-}
-
-bool lwi_checker_pair_is_near( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, double limit )
-{
-	return body_gap_below( checker, query, body_a, body_b, limit ) < INFINITY;
-}
-
 void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lw_range* range,
 	lwi_cached_pair* cached, lw_clearance* out )
 {

@@ -332,15 +332,6 @@ static lwi_edge_plane_result find_planes( plane_test* s, uint64_t key, double ma
 
 // ---- pairs -----------------------------------------------------------------------------------------------------------
 
-/// Largest displacement of the middle of a body's sphere within a window.
-static double center_displacement( const plane_test* s, int side )
-{
-	const lwi_cluster_tree* tree = s->edge->checker->base->tree;
-	lw_sphere center = tree->body_spheres[tree->body_place[s->motion[side].body]];
-	center.radius = 0;
-	return lwi_window_displacement( s->edge, &s->motion[side], &center ) * LWI_EDGE_OUTWARD;
-}
-
 static lwi_edge_plane_result test_self( plane_test s )
 {
 	lwi_edge* e = s.edge;
@@ -363,10 +354,6 @@ static lwi_edge_plane_result test_self( plane_test s )
 	const bool planes = has_planes( &s );
 	if ( planes && known_planes_hold( &s, key, margin ) )
 	{
-		return LWI_EDGE_PROVED; // neighbours are never apart by their spheres
-	}
-	if ( !lwi_checker_pair_is_near( c, e->query, a, b, s.need + center_displacement( &s, 0 ) + center_displacement( &s, 1 ) ) )
-	{
 		return LWI_EDGE_PROVED;
 	}
 	return planes ? find_planes( &s, key, margin ) : LWI_EDGE_MEASURE;
@@ -378,7 +365,10 @@ static lwi_edge_plane_result test_scene( plane_test s )
 	lwi_edge* e = s.edge;
 	const lw_checker* c = e->checker;
 	const uint32_t body = s.pair->body[0];
-	const uint32_t count = lwi_checker_near_obstacles( c, e->query, body, s.need + center_displacement( &s, 0 ) );
+	lw_sphere center = c->base->tree->body_spheres[c->base->tree->body_place[body]];
+	center.radius = 0;
+	const double displacement = lwi_window_displacement( e, &s.motion[0], &center ) * LWI_EDGE_OUTWARD;
+	const uint32_t count = lwi_checker_near_obstacles( c, e->query, body, s.need + displacement );
 	lwi_cloud cloud;
 	cloud.made = false;
 	lwi_swept_poses poses, fixed;
