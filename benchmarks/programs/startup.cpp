@@ -5,6 +5,7 @@
 // files again (the system's file cache is warm). The state's answer must be the same to the bit.
 #include "programs/commands.hpp"
 #include "support/race.hpp"
+#include "support/temporary_folder.hpp"
 
 #include "leeway/io/model.hpp"
 
@@ -20,7 +21,7 @@ namespace io = leeway::io;
 
 struct Settings
 {
-	std::string data = LEEWAY_DATA_DIR, cache = "startup_cache";
+	std::string data = LEEWAY_DATA_DIR, cache;
 	int repetitions = 15;
 	bool quick = false;
 };
@@ -203,13 +204,15 @@ void addStartup( Bench& bench )
 	const auto s = std::make_shared<Settings>();
 	Command& command = bench.command( "startup", "from files to the first answer" );
 	command.option( "--data", s->data, "folder with armar3 and kit_kitchen" );
-	command.option( "--cache", s->cache, "folder of the warm cache" );
+	command.option( "--cache", s->cache, "folder of the warm cache; none: a temporary one" );
 	command.option( "--repetitions", s->repetitions, "starts of each way", { 1 } );
 	command.flag( "--quick", s->quick, "two repetitions" );
 	command.work(
 	    [s]( Result& result )
 	    {
 		    requireData( s->data, "kit_kitchen" );
+		    const TemporaryFolder temporary;
+		    s->cache = s->cache.empty() ? temporary.path().string() : s->cache;
 		    return measure( *s, result );
 	    } );
 }
