@@ -12,6 +12,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <cmath>
+#include <limits>
 
 namespace leeway::python
 {
@@ -199,13 +200,15 @@ nb::object auditTrajectory( const PyChecker& checker, const nb::object& times, c
 	return dictOf( toJson( drive.whole() ) );
 }
 
-nb::object analysePairs( const PyRobot& robot, double seconds, std::uint32_t samples, std::uint64_t seed, std::uint32_t never_after,
-    const std::string& cache, bool srdf )
+nb::object analysePairs( const PyRobot& robot, double seconds, const Whole& samples, const Whole& seed,
+    const Whole& never_after, const std::string& cache, bool srdf )
 {
 	pairs::Settings settings;
 	settings.reach.cache = cache;
 	settings.reach.def.seconds = seconds;
-	settings.samples = { samples, seed, never_after, interruptible() };
+	constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+	settings.samples = { static_cast<std::uint32_t>( samples.in( "samples", 0, most ) ), seed.seed(),
+	    static_cast<std::uint32_t>( never_after.in( "never_after", 0, most ) ), interruptible() };
 	settings.new_srdf = srdf;
 	motions::Json json;
 	{
@@ -332,8 +335,9 @@ void bindAudits( nb::module_& module, nb::class_<PyChecker>& type )
 	    "\"max_acceleration\": y}}; other velocities are those of the URDF. tolerance: float64 [dof]. Returns the program's report: valid,\n"
 	    "verdict, lower_bound, problems (limits, jumps), the first violation with time, pair, clearance and state." );
 	const pairs::Settings reach;
-	module.def( "pairs", &analysePairs, "robot"_a, nb::kw_only(), "seconds"_a = 15.0, "samples"_a = reach.reach.def.samples,
-	    "seed"_a = reach.reach.def.seed, "never_after"_a = 0, "cache"_a = "", "srdf"_a = false,
+	module.def( "pairs", &analysePairs, "robot"_a, nb::kw_only(), "seconds"_a = 15.0,
+	    "samples"_a.none() = reach.reach.def.samples, "seed"_a.none() = reach.reach.def.seed, "never_after"_a.none() = 0,
+	    "cache"_a = "", "srdf"_a = false,
 	    nb::sig( "def pairs(robot: Robot, *, seconds: float = 15.0, samples: int = 2000, seed: int = 1, "
 	             "never_after: int = 0, cache: str = '', srdf: bool = False) -> dict[str, typing.Any]" ),
 	    "The pairs of links that can ever meet, findings about the SRDF, and random states: the report of `leeway pairs`.\n\n"

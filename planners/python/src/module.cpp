@@ -35,6 +35,7 @@ void bindEnumerations( nanobind::module_& module )
 NB_MODULE( _core, module )
 {
 	using namespace leeway::python;
+	nanobind::set_leak_warnings( false ); // Ctrl-C ends a process while its threads hold robots: their memory goes with it
 	module.doc() = "Certified clearance and motion checks of robots: the compiled part of the package leeway.";
 	const std::uint32_t version = lw_version();
 	module.attr( "version" ) = std::to_string( version / 10000 ) + "." + std::to_string( version / 100 % 100 ) + "." +

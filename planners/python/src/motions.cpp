@@ -173,36 +173,13 @@ nb::object trajectory( const PyChecker& checker, const Doubles& times, const nb:
     const nb::object& velocities, const nb::object& accelerations, double min_d, double slack, const std::string& check,
     const nb::object& tolerance, const Whole& threads )
 {
-	const Rows q = rowsOf( positions, checker.variables(), "positions", "variables of the group" );
-	const double* t = vectorOf( times, q.count, "times", "seconds, one for each position" );
-	Doubles keep_velocities, keep_accelerations;
-	const Rows v = derivativesOf( velocities, q, "velocities", keep_velocities );
-	const Rows a = derivativesOf( accelerations, q, "accelerations", keep_accelerations );
-	if ( q.count < 2 || ( a.data != nullptr && v.data == nullptr ) )
-	{
-		refuse( "positions: a trajectory has at least 2, and velocities if it has accelerations" );
-	}
-	Pieces pieces;
-	pieces.width = q.width;
-	pieces.count = q.count - 1;
-	pieces.degree = a.data != nullptr ? 5 : v.data != nullptr ? 3 : 1;
-	pieces.points.resize( pieces.count * ( pieces.degree + 1 ) * pieces.width );
-	for ( std::size_t i = 0; i < pieces.count; ++i )
-	{
-		const double h = t[i + 1] - t[i];
-		if ( !( h > 0 ) || !std::isfinite( h ) )
-		{
-			refuse( "times[" + std::to_string( i + 1 ) + "]: is not after the time before it" );
-		}
-		addPiece( h, q, v, a, i, pieces );
-	}
+	const motions::TrajectoryFile file = trajectoryOf( checker, times, positions, velocities, accelerations );
+	const std::vector<motions::Segment> pieces =
+	    motions::segmentsOf( *checker.problem, file, motions::Interpolation::automatic, 0 );
 	const EdgeOptions options = edgeOptions( checker, min_d, slack, check, nb::none(), tolerance, true );
-	return checkAll( checker, pieces.count, threads, "piece",
+	return checkAll( checker, pieces.size(), threads, "piece",
 	    [&]( lw_query* query, std::size_t i, lw_edge_result& r )
-	    {
-		    return lw_checker_curve(
-		        checker.get(), query, pieces[i], static_cast<std::uint32_t>( pieces.degree ), &options.def, &r );
-	    } );
+	    { return lw_checker_curve( checker.get(), query, pieces[i].points.data(), pieces[i].degree, &options.def, &r ); } );
 }
 
 } // namespace

@@ -86,9 +86,11 @@ COUNTS = {
     "seed of Reach": ("seed", 0, 2**64 - 1, lambda c, r, s: lambda n: leeway.Reach(r, seconds=0, seed=n)),
     "count of spheres": ("count", 0, 2**32 - 1, lambda c, r, s: lambda n: r.spheres(excess=0.1, count=n)),
     "count of enclosing_spheres": ("count", 0, 2**32 - 1, lambda c, r, s: lambda n: leeway.Shape.mesh(CUBE, FACES).enclosing_spheres(count=n)),
-    "states of tune": ("states", 2, 2**31 - 1, lambda c, r, s: lambda n: tune.tune(c, states=n)),
+    "states of tune": ("states", 1, 2**31 - 1, lambda c, r, s: lambda n: tune.tune(c, states=n)),
     "edges of tune": ("edges", 1, 2**31 - 1, lambda c, r, s: lambda n: tune.tune(c, edges=n)),
-    "passes of tune": ("passes", 1, 2**31 - 1, lambda c, r, s: lambda n: tune.tune(c, passes=n)),
+    "samples of pairs": ("samples", 0, 2**32 - 1, lambda c, r, s: lambda n: leeway.pairs(r, seconds=0, samples=n)),
+    "seed of pairs": ("seed", 0, 2**64 - 1, lambda c, r, s: lambda n: leeway.pairs(r, seconds=0, samples=2, seed=n)),
+    "never_after of pairs": ("never_after", 0, 2**32 - 1, lambda c, r, s: lambda n: leeway.pairs(r, seconds=0, samples=2, never_after=n)),
     "seed of tune": ("seed", 0, 2**63 - 1, lambda c, r, s: lambda n: tune.tune(c, seed=n)),
     **{f"threads of {name}": ("threads", 0, 4096, call) for name, call in CALLS.items()},
 }
