@@ -8,6 +8,7 @@ void addAuditMotions( Bench& bench );
 void addCloud( Bench& bench );
 void addCompare( Bench& bench );
 void addEdits( Bench& bench );
+void addExperiments( Bench& bench );
 void addKernels( Bench& bench );
 void addPeers( Bench& bench );
 void addReach( Bench& bench );

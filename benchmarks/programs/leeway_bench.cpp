@@ -20,6 +20,7 @@ int main( int argc, char** argv )
 	addStartup( bench );
 	addEdits( bench );
 	addKernels( bench );
+	addExperiments( bench );
 #ifdef LEEWAY_BENCH_OMPL
 	addAuditEdges( bench );
 #endif

@@ -65,8 +65,10 @@ HOUSES = [
     ], public={"planners": "search"}),
     House("benchmarks", [
         ("support", "command lines, files of results and their comparison, states, edges and worlds, interleaved timing"),
+        ("report", "experiments and their rounds, their page and pictures"),
         ("peers", "engines of other libraries, judges of answers, workloads for all engines"),
         ("planning", "ways to plan, modules of other planners, their results as tables and a page"),
+        ("experiments", "figures of the paper, parts switched off, speed against accuracy"),
         ("programs", "the main function, and one file for each subcommand"),
     ]),
 ]
