@@ -272,7 +272,7 @@ def circle_cases():
 
 
 def cache_cases():
-    """A cache folder with files of others, and links, pipes and folders under names of its own: what they lead to stays."""
+    """A cache folder with files of others, and links, pipes and folders under names of its own: their targets stay."""
     def place(path):
         path.mkdir()
         (path / "notes.txt").write_text("mine")

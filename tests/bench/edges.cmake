@@ -11,7 +11,7 @@ execute_process(COMMAND "${BENCH}" compare before.json after.json RESULT_VARIABL
 if(status OR NOT text MATCHES "verdicts: 0 of 720 changed, 0 contradict" OR text MATCHES "other edges")
   message(FATAL_ERROR "leeway-bench compare ended with ${status}:\n${text}")
 endif()
-# what cannot be compared is no result without a difference
+# rows without a partner are no result without a difference
 foreach(arguments "before.json" "before.json;after.json;--by;mean" "before.json;none.json" "${CMAKE_CURRENT_LIST_FILE};after.json")
   execute_process(COMMAND "${BENCH}" compare ${arguments} RESULT_VARIABLE status OUTPUT_VARIABLE text ERROR_VARIABLE text)
   if(NOT status GREATER 1)

@@ -261,8 +261,13 @@ static void test_environment( const gate* g )
 	for ( uint32_t i = g->tree->cluster_count; i-- > 1; ) // hands move most
 	{
 		const lwi_cluster* n = &g->tree->clusters[i];
+		if ( ( c->environment.clusters[i] & LWI_CLUSTER_CHECKED ) == 0 )
+		{
+			continue;
+		}
 		query_sphere of_cluster;
-		const uint32_t count = ( c->environment.clusters[i] & LWI_CLUSTER_CHECKED ) != 0 ? near_cluster( g, i, &of_cluster ) : 0;
+		const uint32_t count = near_cluster( g, i, &of_cluster );
+		lwi_edge_note_proof( e );
 		for ( uint32_t k = n->first_body; count > 0 && k < n->first_body + n->body_count; ++k )
 		{
 			const uint32_t lanes =
@@ -354,6 +359,7 @@ static void test_self( const gate* g )
 		{
 			continue;
 		}
+		lwi_edge_note_proof( e );
 		const cluster_pair two = make_cluster_pair( g, pair, tube );
 		const uint32_t lanes =
 			points_meet( g, &two, &g->clusters[pair->cluster_a], a->r.radius, &g->clusters[pair->cluster_b], b->r.radius );
@@ -377,7 +383,6 @@ void lwi_edge_gate( lwi_edge* e )
 		.tested = lwi_motion_rotation( e->path.motion ) * half <= MOST_ROTATION,
 		.covered = lwi_path_is_covered( e ) };
 	pose_lanes( &g );
-	lwi_edge_note_proof( e );
 	test_environment( &g );
 	test_self( &g );
 }
