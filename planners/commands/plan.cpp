@@ -3,6 +3,7 @@
 #include "commands/plan_solution.hpp"
 #include "setup/audit.hpp"
 #include "setup/ends.hpp"
+#include "setup/motion_files.hpp"
 #include "setup/timed.hpp"
 #include "setup/planner_registry.hpp"
 #include "text/names.hpp"
@@ -717,11 +718,13 @@ int runPlan( const PlanOptions& options )
 	{
 		limits = readJointLimits( options.joint_limits );
 		readsFile( "--joint-limits", options.joint_limits );
+		notices.add( "joint limits of the file", limits.notices );
 	}
 	OutputFile out( "--out", options.out ), report( "--report", options.report ),
 	    timed( "--trajectory", options.trajectory );
 	ViewFile view( options.view );
 	Input input = loadInput( options.common, notices );
+	noteUnknownLimits( limits, options.joint_limits, input.robot, notices );
 	input.max_d = options.common.min_d + planning_horizon;
 	const std::optional<io::ReachOptions> tables = laterTables( input );
 	const PlanEnds ends = readEnds( options, input );

@@ -82,28 +82,27 @@ const TrajectoryFile& firstOf( const std::vector<Act>& acts )
 	return std::find_if( acts.begin(), acts.end(), []( const Act& act ) { return !act.files.empty(); } )->files.front();
 }
 
-/// Where all joints stand at the beginning: as the first file says, else at the first point that any trajectory has for them.
+/// Where all joints stand at the beginning: as the first start state or first point says that has them.
 Values startValues( const std::vector<Act>& acts, const io::RobotModel& robot, Notices& notices )
 {
 	Values values;
 	const std::vector<std::string> known = variableNames( robot );
 	const auto is_known = [&]( const std::string& name )
 	{ return std::find( known.begin(), known.end(), name ) != known.end(); };
-	const TrajectoryFile& first = firstOf( acts );
-	for ( const auto& [name, value] : first.start_state )
-	{
-		if ( is_known( name ) )
-		{
-			values[name] = value;
-			continue;
-		}
-		notices.add( "unused joints",
-		    fmt::format( "{}: trajectory_start: joint '{}': the robot cannot move it; it is ignored", first.file, name ) );
-	}
 	for ( const Act& act : acts )
 	{
 		for ( const TrajectoryFile& file : act.files )
 		{
+			for ( const auto& [name, value] : file.start_state )
+			{
+				if ( is_known( name ) )
+				{
+					values.emplace( name, value );
+					continue;
+				}
+				notices.add( "unused joints",
+				    fmt::format( "{}: trajectory_start: joint '{}': the robot cannot move it; it is ignored", file.file, name ) );
+			}
 			for ( std::size_t i = 0; i < file.joint_names.size(); ++i )
 			{
 				if ( is_known( file.joint_names[i] ) )
@@ -156,21 +155,19 @@ public:
 	{
 		const std::string group = groupOf( file, m_options.common.group, m_input.robot );
 		const Workbench& bench = m_stage.use( group );
-		if ( file.points.front().time > 0 )
-		{
-			m_notices.add( "first points",
-			    fmt::format(
-			        "{}: {}: the first point comes after {:g} s; the motion from the robot's state to it is not known and "
-			        "not proved",
-			        file.file, file.at( "points[0].time_from_start" ), file.points.front().time ) );
-		}
 		m_notices.add( "fields of the trajectory", file.notices );
 		m_settings.tolerance = tolerances( bench, file.file, file.path_tolerance, tolerancesFor( m_options, bench ) );
 		const double begin = whole.duration;
-		const std::vector<Segment> segments = segmentsOf( bench, file, m_settings.interpolation, begin );
-		TrajectoryAudit audit = auditTrajectory( bench, m_input.robot, file.file, segments, m_settings );
-		addGaps( bench, segments, file, audit );
-		compareStart( bench, segments, file, audit );
+		const std::vector<Segment> approaches = approachesOf( bench, file, begin );
+		std::vector<Segment> segments = segmentsOf(
+		    bench, file, m_settings.interpolation, approaches.empty() ? begin : begin + approaches.back().seconds );
+		std::vector<std::string> problems = differences( bench, file, segments.front() );
+		if ( !approaches.empty() )
+		{
+			segments.insert( segments.begin(), approaches.back() );
+		}
+		TrajectoryAudit audit = auditTrajectory( bench, m_input.robot, file.file, segments, m_settings, approaches );
+		audit.problems.insert( audit.problems.end(), problems.begin(), problems.end() );
 		if ( !m_options.profile.empty() )
 		{
 			profile += profileOf( bench, segments, m_settings.edge.flags, file.file );
@@ -212,38 +209,110 @@ private:
 		all.insert( all.end(), segments.begin(), segments.end() );
 	}
 
-	/// A jump from where the last motion of a joint ended.
-	void addGaps(
-	    const Workbench& bench, const std::vector<Segment>& segments, const TrajectoryFile& file, TrajectoryAudit& audit )
+	struct Place
 	{
-		const std::vector<std::string>& names = bench.problem().variable_names;
-		for ( std::size_t v = 0; v < names.size(); ++v )
+		double value;
+		const char* of;
+	};
+
+	/// Where a joint of the group stands before a trajectory, by all that is known of it; empty: nothing is.
+	std::vector<Place> placesOf( const TrajectoryFile& file, const std::string& name ) const
+	{
+		std::vector<Place> out;
+		const double left = m_stage.at( name ); // NaN: never moved
+		const auto own = std::find_if( file.start_state.begin(), file.start_state.end(),
+		    [&]( const std::pair<std::string, double>& entry ) { return entry.first == name; } );
+		if ( !std::isnan( left ) )
 		{
-			const double gap = std::abs( m_stage.at( names[v] ) - segments.front().points[v] ); // NaN: never moved
-			if ( gap > gap_tolerance )
-			{
-				audit.problems.push_back( fmt::format( "{} starts {:.6g} away from the end of the one before (joint {})",
-				    file.element.empty() ? file.file : file.element, gap, names[v] ) );
-			}
+			out.push_back( { left, "the end of the one before" } );
 		}
+		if ( own != file.start_state.end() )
+		{
+			out.push_back( { own->second, "its start state" } );
+		}
+		if ( std::isnan( left ) && m_input.request && m_input.request->start.values.count( name ) != 0 )
+		{
+			out.push_back( { m_input.request->start.values.at( name ), "the request's start" } );
+		}
+		return out;
 	}
 
-	/// A controller jumps from where the robot stands to a first point at time 0.
-	static void compareStart(
-	    const Workbench& bench, const std::vector<Segment>& segments, const TrajectoryFile& file, TrajectoryAudit& audit )
+	/// The ways to a first point that comes later than the start; empty if it does not, or if the start is not known.
+	std::vector<Segment> approachesOf( const Workbench& bench, const TrajectoryFile& file, double begin ) const
 	{
-		const std::vector<std::string>& names = bench.problem().variable_names;
-		for ( const auto& [name, value] : file.start_state )
+		const TrajectoryPoint& first = file.points.front();
+		if ( !( first.time > 0 ) )
 		{
-			const auto found = std::find( names.begin(), names.end(), name );
-			const double first =
-			    found == names.end() ? value : segments.front().points[static_cast<std::size_t>( found - names.begin() )];
-			if ( file.points.front().time == 0 && !( std::abs( first - value ) <= gap_tolerance ) )
+			return {};
+		}
+		TrajectoryPoint start = first; // with as many velocities and accelerations as it
+		start.time = 0;
+		std::fill( start.accelerations.begin(), start.accelerations.end(), 0.0 );
+		std::vector<std::string> unknown;
+		for ( std::size_t i = 0; i < file.joint_names.size(); ++i )
+		{
+			const std::string& name = file.joint_names[i];
+			const std::vector<Place> places = placesOf( file, name );
+			if ( places.empty() )
 			{
-				audit.problems.push_back( fmt::format( "{} begins with joint {} at {:.6g}, and its start state has {:.6g}",
-				    file.element.empty() ? file.file : file.element, name, first, value ) );
+				unknown.push_back( name );
+				continue;
+			}
+			start.positions[i] = places.front().value;
+			if ( !start.velocities.empty() )
+			{
+				const auto velocity = file.start_velocity.find( name );
+				start.velocities[i] = velocity == file.start_velocity.end() ? 0 : velocity->second;
 			}
 		}
+		const std::string element = file.at( "points[0].time_from_start" );
+		if ( unknown.size() == file.joint_names.size() )
+		{
+			m_notices.add( "first points",
+			    fmt::format(
+			        "{}: {}: the first point comes after {:g} s; the motion from the robot's state to it is not known and "
+			        "not proved",
+			        file.file, element, first.time ) );
+			return {};
+		}
+		if ( !unknown.empty() )
+		{
+			throw io::Error( file.file, element,
+			    fmt::format( "the first point comes after {:g} s, and the start of {} is not known", first.time, listed( unknown ) ),
+			    "name all joints of the trajectory in trajectory_start" );
+		}
+		return approachesTo( bench, file, start, m_settings.interpolation, begin );
+	}
+
+	/// Joints that stand elsewhere than a first point at time 0, to which the controller jumps, or in two places at once.
+	std::vector<std::string> differences( const Workbench& bench, const TrajectoryFile& file, const Segment& first ) const
+	{
+		const std::vector<std::string>& names = bench.problem().variable_names;
+		const std::string what = file.element.empty() ? file.file : file.element;
+		std::vector<std::string> out;
+		for ( std::uint32_t i = 0; i < bench.variableNames().size(); ++i )
+		{
+			const std::string& name = bench.variableNames()[i];
+			std::vector<Place> places = placesOf( file, name );
+			const auto found = std::find( names.begin(), names.end(), name );
+			if ( found == names.end() )
+			{
+				places.insert( places.begin(), { bench.problem().reference[i], "the proof" } );
+			}
+			else if ( file.points.front().time == 0 )
+			{
+				places.insert( places.begin(), { first.points[static_cast<std::size_t>( found - names.begin() )], "its first point" } );
+			}
+			for ( std::size_t k = 1; k < places.size(); ++k )
+			{
+				if ( !( std::abs( places[k].value - places[0].value ) <= gap_tolerance ) )
+				{
+					out.push_back( fmt::format( "{}: joint {} is at {:.6g} in {} and at {:.6g} in {}", what, name,
+					    places[0].value, places[0].of, places[k].value, places[k].of ) );
+				}
+			}
+		}
+		return out;
 	}
 
 	const AuditOptions& m_options;
@@ -264,10 +333,12 @@ int runTrajectoryAudit( const AuditOptions& options )
 	{
 		settings.limits = readJointLimits( options.joint_limits );
 		readsFile( "--joint-limits", options.joint_limits );
+		notices.add( "joint limits of the file", settings.limits.notices );
 	}
 	OutputFile report( "--report", options.report ), profile_file( "--profile", options.profile );
 	ViewFile view( options.view );
 	const Input input = loadInput( options.common, notices );
+	noteUnknownLimits( settings.limits, options.joint_limits, input.robot, notices );
 	settings.edge.min_d = options.common.min_d;
 	settings.edge.flags = options.common.checkFlags();
 	settings.interpolation = interpolationOf( options.interpolation );

@@ -91,6 +91,27 @@ Values startValues( const TrajectoryFile& file, const io::RobotModel& robot, Not
 	return values;
 }
 
+void noteUnknownLimits( const JointLimits& limits, const std::string& file, const io::RobotModel& robot, Notices& notices )
+{
+	const std::vector<std::string> known = variableNames( robot );
+	std::set<std::string> unknown;
+	for ( const std::map<std::string, double>* of_kind : { &limits.velocity, &limits.acceleration } )
+	{
+		for ( const auto& [name, value] : *of_kind )
+		{
+			if ( std::find( known.begin(), known.end(), name ) == known.end() )
+			{
+				unknown.insert( name );
+			}
+		}
+	}
+	for ( const std::string& name : unknown )
+	{
+		notices.add( "joint limits of the file",
+		    fmt::format( "{}: joint_limits.{}: the robot has no such joint to move; its limits are not kept", file, name ) );
+	}
+}
+
 std::vector<std::vector<double>> groupPoints( const PathFile& path, const Workbench& bench )
 {
 	const std::vector<std::string>& wanted = bench.problem().variable_names;

@@ -22,6 +22,10 @@ std::string groupOf( const TrajectoryFile& file, const std::string& chosen, cons
 Values startValues( const PathFile& path, const io::RobotModel& robot, Notices& notices );
 Values startValues( const TrajectoryFile& file, const io::RobotModel& robot, Notices& notices );
 
+/// Tells about limits of joints that the robot cannot move: a misspelt joint keeps none. @param file of the limits
+void noteUnknownLimits(
+    const JointLimits& limits, const std::string& file, const io::RobotModel& robot, Notices& notices );
+
 /// The points as states of the group, in its order. @throws io::Error
 std::vector<std::vector<double>> groupPoints( const PathFile& path, const Workbench& bench );
 

@@ -73,10 +73,19 @@ std::vector<double> tolerances( const Workbench& bench, const std::string& file,
 std::vector<Segment> segmentsOf(
     const Workbench& bench, const TrajectoryFile& file, Interpolation interpolation, double begin );
 
+/// The ways to a first point that comes after time 0, from where the controller finds the robot: straight, cubic if the point has velocities, quintic
+/// if it has accelerations too. Which of them ROS's joint_trajectory_controller drives depends on the state interfaces of the hardware; with
+/// another interpolation than automatic there is one.
+/// @param start one point of the file's joints at time 0, with velocities and accelerations (0 at rest)
+/// @return the last is that of the first point's own data
+std::vector<Segment> approachesTo( const Workbench& bench, const TrajectoryFile& file, const TrajectoryPoint& start,
+    Interpolation interpolation, double begin );
+
 /// Proves all segments, and compares positions, velocities and accelerations with their limits at all times.
-/// @param file of the segments, for errors @throws io::Error
+/// @param file of the segments, for errors
+/// @param instead curves that may be driven in place of a segment: proved and compared too, and not counted @throws io::Error
 TrajectoryAudit auditTrajectory( const Workbench& bench, const io::RobotModel& robot, const std::string& file,
-    const std::vector<Segment>& segments, const TrajectorySettings& settings );
+    const std::vector<Segment>& segments, const TrajectorySettings& settings, const std::vector<Segment>& instead = {} );
 /// Adds the audit of a trajectory that is driven after those before.
 void append( TrajectoryAudit& whole, const TrajectoryAudit& next );
 

@@ -147,6 +147,11 @@ double CsvTable::value( std::size_t row, std::size_t column ) const
 		    cell.empty() ? "the value is missing" : fmt::format( "'{}' is not a finite number", cell ),
 		    "give a finite number in radians or metres" );
 	}
+	if ( std::fabs( *number ) > largest_number )
+	{
+		throw io::Error( file, fmt::format( "line {}, column '{}'", rows[row].line, header[column] ),
+		    fmt::format( "{:g} is beyond {:g}", *number, largest_number ), "give radians, metres or seconds" );
+	}
 	return *number;
 }
 

@@ -11,6 +11,9 @@
 namespace leeway::cli
 {
 
+/// No robot moves as far, as fast or as long; products of a few such numbers are finite.
+constexpr double largest_number = 1e15;
+
 struct CsvRow
 {
 	std::size_t line = 0; ///< in the file, from 1
@@ -23,7 +26,7 @@ struct CsvTable
 	std::vector<std::string> header;
 	std::vector<CsvRow> rows;
 
-	/// The number in a cell. Only finite decimal numbers are accepted.
+	/// The number in a cell. Only finite decimal numbers are accepted, up to largest_number.
 	/// @throws io::Error naming line and column
 	double value( std::size_t row, std::size_t column ) const;
 };

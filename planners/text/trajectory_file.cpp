@@ -2,6 +2,7 @@
 // Timed trajectories as files: see trajectory_file.hpp.
 #include "text/trajectory_file.hpp"
 
+#include "leeway/io/keys.hpp"
 #include "leeway/io/limits.hpp"
 #include "leeway/io/model.hpp"
 #include "text/csv.hpp"
@@ -170,17 +171,30 @@ void readTolerances( TrajectoryFile& t, const YAML::Node& root )
 
 void readStart( const YAML::Node& root, TrajectoryFile& t )
 {
+	std::string first;
+	StartState start;
 	for ( const std::string& key : start_keys )
 	{
-		const YAML::Node state = child( root, key.c_str() ), joints = child( state, "joint_state" );
-		checkFields( t.file, key, state, Message::robot_state, t.notices );
-		checkFields( t.file, key + ".joint_state", joints, Message::joint_state, t.notices );
-		const YAML::Node names = child( joints, "name" );
-		if ( joints.IsDefined() && joints.IsMap() && !( names.IsDefined() && names.IsSequence() && names.size() == 0 ) )
+		StartState state = readStartState( t.file, root, key.c_str(), t.notices );
+		if ( state.positions.empty() )
 		{
-			t.start_state = jointState( t.file, joints, key + ".joint_state" );
+			continue;
 		}
+		if ( !first.empty() && ( state.positions != start.positions || state.velocities != start.velocities ) )
+		{
+			throw io::Error( t.file, key, fmt::format( "differs from {}: the motion has one start", first ),
+			    fmt::format( "keep {} or {}", first, key ) );
+		}
+		first = key;
+		start = std::move( state );
 	}
+	t.start_state = start.positions;
+	if ( t.points.front().time > 0 )
+	{
+		t.start_velocity.insert( start.velocities.begin(), start.velocities.end() );
+		return;
+	}
+	noticeVelocities( t.file, first + ".joint_state", start, "the motion begins with its first point", t.notices );
 }
 
 void readDocument( const std::string& file, const YAML::Node& root, std::size_t bytes, std::vector<TrajectoryFile>& out )
@@ -285,6 +299,72 @@ TrajectoryFile readTrajectoryTable( const std::string& file )
 	return t;
 }
 
+// ---- joint limits ----------------------------------------------------------------------------------------------------
+
+/// A limit with a misspelt name is a limit that is not kept. @param unused known, and named in a notice
+void checkLimitKeys( const std::string& file, const std::string& element, const YAML::Node& node,
+    const std::vector<std::string>& used, const std::vector<std::string>& unused, std::vector<io::Notice>& notices )
+{
+	std::vector<std::string> known = used;
+	known.insert( known.end(), unused.begin(), unused.end() );
+	for ( const auto& entry : node )
+	{
+		const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+		const std::string place =
+		    fmt::format( "{}{} (line {})", element.empty() ? "" : element + ".", key, entry.first.Mark().line + 1 );
+		const std::string meant = io::meantKey( key, known );
+		if ( !meant.empty() )
+		{
+			throw io::Error( file, place, fmt::format( "this key is not known: is {} meant?", meant ),
+			    fmt::format( "write {}, or remove it", meant ) );
+		}
+		if ( std::find( used.begin(), used.end(), key ) == used.end() && !io::saysNothing( entry.second ) )
+		{
+			notices.push_back(
+			    { file, place, "is not used: velocities and accelerations are compared with max_velocity and max_acceleration" } );
+		}
+	}
+}
+
+/// Puts a limit into `out` if its flag is true.
+void readLimit( const std::string& file, const std::string& joint, const YAML::Node& limits, const char* has,
+    const char* key, std::map<std::string, double>& out )
+{
+	const YAML::Node flag = limits[has], value = limits[key];
+	const std::string prefix = "joint_limits." + joint + ".", element = prefix + key;
+	const auto at = [&]( const char* wanted )
+	{
+		const auto entry = std::find_if(
+		    limits.begin(), limits.end(), [&]( const auto& found ) { return found.first.Scalar() == wanted; } );
+		return fmt::format( "{}{} (line {})", prefix, wanted, entry->first.Mark().line + 1 );
+	};
+	if ( !flag.IsDefined() )
+	{
+		if ( value.IsDefined() && !io::saysNothing( value ) )
+		{
+			throw io::Error( file, at( key ), fmt::format( "there is no {}: does the limit hold?", has ),
+			    fmt::format( "write {}: true or {}: false", has, has ) );
+		}
+		return;
+	}
+	bool holds = false;
+	if ( !YAML::convert<bool>::decode( flag, holds ) )
+	{
+		throw io::Error( file, at( has ),
+		    fmt::format( "'{}' is neither true nor false", flag.IsScalar() ? flag.Scalar() : "" ), "write true or false" );
+	}
+	if ( !holds )
+	{
+		return;
+	}
+	const double limit = finiteValue( file, value.IsDefined() ? value : YAML::Node(), element );
+	if ( !( limit > 0 ) )
+	{
+		throw io::Error( file, element, "is not above 0", "give a limit above 0, or set its has_ flag to false" );
+	}
+	out[joint] = limit;
+}
+
 bool endsWith( const std::string& text, const std::string& end )
 {
 	return text.size() >= end.size() && text.compare( text.size() - end.size(), end.size(), end ) == 0;
@@ -321,32 +401,32 @@ JointLimits readJointLimits( const std::string& file )
 {
 	std::size_t bytes = 0;
 	const std::vector<YAML::Node> documents = loadYaml( file, &bytes );
-	const YAML::Node joints = documents.empty() ? YAML::Node() : child( documents.front(), "joint_limits" );
+	const YAML::Node joints = documents.size() == 1 ? child( documents.front(), "joint_limits" ) : YAML::Node();
 	if ( !joints.IsDefined() || !joints.IsMap() )
 	{
-		throw io::Error( file, "joint_limits", "is missing or no map", "give MoveIt's joint_limits.yaml" );
+		throw io::Error( file, "joint_limits",
+		    documents.size() > 1 ? "is in one of several YAML documents" : "is missing or no map",
+		    "give MoveIt's joint_limits.yaml" );
 	}
 	JointLimits limits;
+	checkLimitKeys( file, "", documents.front(), { "joint_limits" },
+	    { "default_velocity_scaling_factor", "default_acceleration_scaling_factor" }, limits.notices );
 	for ( const auto& joint : joints )
 	{
 		const std::string name = joint.first.Scalar();
-		const auto read = [&]( const char* has, const char* key, std::map<std::string, double>& out )
+		if ( !joint.second.IsMap() )
 		{
-			const YAML::Node flag = child( joint.second, has ), value = child( joint.second, key );
-			const std::string text = flag.IsDefined() && flag.IsScalar() ? flag.Scalar() : "false";
-			if ( text != "true" && text != "True" )
-			{
-				return;
-			}
-			const std::string element = fmt::format( "joint_limits.{}.{}", name, key );
-			out[name] = finiteValue( file, value.IsDefined() ? value : YAML::Node(), element );
-			if ( !( out[name] > 0 ) )
-			{
-				throw io::Error( file, element, "is not above 0", "give a limit above 0, or set its has_ flag to false" );
-			}
-		};
-		read( "has_velocity_limits", "max_velocity", limits.velocity );
-		read( "has_acceleration_limits", "max_acceleration", limits.acceleration );
+			throw io::Error( file, fmt::format( "joint_limits.{} (line {})", name, joint.first.Mark().line + 1 ), "is no map",
+			    "give has_velocity_limits, max_velocity, has_acceleration_limits and max_acceleration" );
+		}
+		checkLimitKeys( file, "joint_limits." + name, joint.second,
+		    { "has_velocity_limits", "max_velocity", "has_acceleration_limits", "max_acceleration" },
+		    { "has_position_limits", "min_position", "max_position", "min_velocity", "min_acceleration", "has_jerk_limits",
+		        "max_jerk", "has_deceleration_limits", "max_deceleration", "has_effort_limits", "max_effort",
+		        "angle_wraparound", "has_soft_limits", "k_position", "k_velocity", "soft_lower_limit", "soft_upper_limit" },
+		    limits.notices );
+		readLimit( file, name, joint.second, "has_velocity_limits", "max_velocity", limits.velocity );
+		readLimit( file, name, joint.second, "has_acceleration_limits", "max_acceleration", limits.acceleration );
 	}
 	return limits;
 }

@@ -53,9 +53,6 @@ std::vector<YAML::Node> loadYaml( const std::string& file, std::size_t* out_byte
 	return documents;
 }
 
-/// No robot moves as far, as fast or as long; products of a few such numbers are finite.
-constexpr double largest_number = 1e15;
-
 double finiteValue( const std::string& file, const YAML::Node& node, const std::string& element )
 {
 	double value = NAN;

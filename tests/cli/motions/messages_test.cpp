@@ -332,7 +332,7 @@ TEST_F( CliMessages, MeaningsThatRosHasAreNotReplacedByOthers )
 	away["trajectory_start"]["joint_state"]["position"] = { 0.3, 0 };
 	const Answer answer = audit( away );
 	EXPECT_EQ( answer.status, 1 );
-	EXPECT_TRUE( contains( answer.report.dump(), "begins with joint shoulder at -0.6, and its start state has 0.3" ) )
+	EXPECT_TRUE( contains( answer.report.dump(), "joint shoulder is at -0.6 in its first point and at 0.3 in its start state" ) )
 	    << answer.report.dump();
 	Json beyond = trajectory();
 	beyond["trajectory_start"] = robotState();

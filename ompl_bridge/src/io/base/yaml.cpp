@@ -589,6 +589,10 @@ void leeway::io::requireSoundDocument(
 
 bool leeway::io::saysNothing( const YAML::Node& value )
 {
+	if ( !value.IsDefined() )
+	{
+		return true;
+	}
 	if ( value.IsMap() )
 	{
 		return std::all_of( value.begin(), value.end(), []( const auto& entry ) { return saysNothing( entry.second ); } );
@@ -598,6 +602,6 @@ bool leeway::io::saysNothing( const YAML::Node& value )
 		return std::all_of(
 		    value.begin(), value.end(), []( const YAML::Node& entry ) { return entry.IsScalar() && saysNothing( entry ); } );
 	}
-	const std::string text = value.IsDefined() && value.IsScalar() ? value.Scalar() : "";
+	const std::string text = value.IsScalar() ? value.Scalar() : "";
 	return text.empty() || text == "false" || text == "False" || text.find_first_not_of( "0." ) == std::string::npos;
 }
