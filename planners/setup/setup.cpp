@@ -231,6 +231,25 @@ void requireReach( const io::LoadedReach& loaded, const std::string& robot_file 
 	}
 }
 
+/// Tells about joints that a scene's robot_state puts elsewhere than they stand. Tables and motions say where those of the group are.
+static void noteState( const Input& input, const Workbench& bench, Notices& notices )
+{
+	if ( !input.scene )
+	{
+		return;
+	}
+	for ( const auto& [name, value] : input.scene->state.values )
+	{
+		const std::uint32_t at = bench.variable( name );
+		if ( at != LW_INVALID_INDEX && !bench.inGroup( at ) && bench.problem().reference[at] != value )
+		{
+			notices.add( "joints of the scene",
+			    fmt::format( "{}: robot_state.joint_state: joint {} is at {} there; here it stands at {}, and the scene is not asked", input.scene->file,
+			        name, value, bench.problem().reference[at] ) );
+		}
+	}
+}
+
 Workbench::Workbench( const Input& input, std::string group, const Values& values, Notices& notices )
     : m_input( input ), m_group( std::move( group ) ), m_notices( notices )
 {
@@ -250,6 +269,7 @@ Workbench::Workbench( const Input& input, std::string group, const Values& value
 		m_values[name] = value;
 	}
 	build( m_values );
+	noteState( m_input, *this, m_notices );
 }
 
 io::ProblemOptions Workbench::options( const Values& values ) const

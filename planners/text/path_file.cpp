@@ -165,6 +165,10 @@ PathFile readPath( const std::string& file )
 	path.file = file;
 	std::size_t bytes = 0;
 	const std::vector<YAML::Node> documents = loadYaml( file, &bytes );
+	if ( documents.size() > 1 )
+	{
+		throw io::Error( file, "path", fmt::format( "is one of {} YAML documents", documents.size() ), "keep one" );
+	}
 	const YAML::Node root = documents.empty() ? YAML::Node() : documents.front();
 	if ( !root.IsMap() )
 	{
