@@ -26,7 +26,7 @@ struct CsvTable
 	std::vector<std::string> header;
 	std::vector<CsvRow> rows;
 
-	/// The number in a cell. Only finite decimal numbers up to largest_number are accepted.
+	/// The number in a cell. Only finite decimal numbers are accepted, up to largest_number.
 	/// @throws io::Error naming line and column
 	double value( std::size_t row, std::size_t column ) const;
 };

@@ -56,10 +56,10 @@ const Definition& definitionOf( Message message )
 	        { { "joint_state", Use::read, "" },
 	            { "multi_dof_joint_state", Use::refused, "give its variables in joint_state (base/x, base/y, base/theta)" },
 	            { "attached_collision_objects", Use::refused, attached },
-	            { "is_diff", Use::noticed, "joints that are not named stand at zero, or as the scene says" } } },
+	            { "is_diff", Use::noticed, "joints that are not named stand where the request starts, or at zero" } } },
 	    { "sensor_msgs/JointState",
 	        { { "header", Use::noticed, stamp }, { "name", Use::read, "" }, { "position", Use::read, "" },
-	            { "velocity", Use::noticed, "the motion's own speeds count" },
+	            { "velocity", Use::read, "" },
 	            { "effort", Use::noticed, "forces do not change the motion that is proved" } } },
 	    { "builtin_interfaces/Duration", { { "sec", Use::read, "" }, { "nanosec", Use::read, "" }, { "secs", Use::read, "" },
 	                                         { "nsecs", Use::read, "" } } },
@@ -151,6 +151,49 @@ void checkFields( const std::string& file, const std::string& element, const YAM
 			}
 			notices.push_back( { file, place, fmt::format( "is not used: {}", field.why ) } );
 		}
+	}
+}
+
+StartState readStartState(
+    const std::string& file, const YAML::Node& root, const char* key, std::vector<io::Notice>& notices )
+{
+	const YAML::Node state = child( root, key ), joints = child( state, "joint_state" );
+	for ( const auto& [node, place] :
+	    { std::pair( state, std::string( key ) ), std::pair( joints, std::string( key ) + ".joint_state" ) } )
+	{
+		if ( node.IsDefined() && !node.IsNull() && !node.IsMap() )
+		{
+			throw io::Error( file, place, "is no map", "give a moveit_msgs/RobotState with a joint_state" );
+		}
+	}
+	const std::string element = std::string( key ) + ".joint_state";
+	checkFields( file, key, state, Message::robot_state, notices );
+	checkFields( file, element, joints, Message::joint_state, notices );
+	StartState start;
+	if ( io::saysNothing( child( joints, "name" ) ) && io::saysNothing( child( joints, "position" ) ) &&
+	     io::saysNothing( child( joints, "velocity" ) ) )
+	{
+		return start;
+	}
+	start.positions = jointState( file, joints, element );
+	if ( !io::saysNothing( joints["velocity"] ) )
+	{
+		const std::vector<double> velocities = numberList( file, joints["velocity"], element + ".velocity",
+		    start.positions.size(), "give one velocity for every name, or none" );
+		for ( std::size_t i = 0; i < velocities.size(); ++i )
+		{
+			start.velocities.emplace_back( start.positions[i].first, velocities[i] );
+		}
+	}
+	return start;
+}
+
+void noticeVelocities( const std::string& file, const std::string& element, const StartState& start, const char* why,
+    std::vector<io::Notice>& notices )
+{
+	if ( !start.velocities.empty() )
+	{
+		notices.push_back( { file, element + ".velocity", fmt::format( "is not used: {}", why ) } );
 	}
 }
 

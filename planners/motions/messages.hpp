@@ -7,6 +7,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace leeway::motions
@@ -47,5 +48,18 @@ const char* nameOf( Message message );
 /// @throws io::Error for an unknown key, with the nearest known one, and for a refused field that is not empty
 void checkFields( const std::string& file, const std::string& element, const YAML::Node& node, Message message,
     std::vector<io::Notice>& notices, const std::vector<std::string>& more = {} );
+
+/// Of a moveit_msgs/RobotState, by joint. velocities: empty where the file has none.
+struct StartState
+{
+	std::vector<std::pair<std::string, double>> positions, velocities;
+};
+
+/// The RobotState under a key of `root`; empty if it says nothing. @throws io::Error
+StartState readStartState(
+    const std::string& file, const YAML::Node& root, const char* key, std::vector<io::Notice>& notices );
+/// Tells about velocities of a start that are not used. @param element of the joint state
+void noticeVelocities( const std::string& file, const std::string& element, const StartState& start, const char* why,
+    std::vector<io::Notice>& notices );
 
 } // namespace leeway::motions

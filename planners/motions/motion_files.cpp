@@ -77,18 +77,18 @@ Values startValues(
 	const std::vector<std::string> known = variableNames( robot );
 	const auto is_known = [&]( const std::string& name )
 	{ return std::find( known.begin(), known.end(), name ) != known.end(); };
-	for ( const auto& [name, value] : files.front().start_state )
-	{
-		if ( is_known( name ) )
-		{
-			values[name] = value;
-			continue;
-		}
-		notices.push_back( { files.front().file, fmt::format( "trajectory_start: joint '{}'", name ),
-		    "the robot cannot move it; it is ignored" } );
-	}
 	for ( const TrajectoryFile& file : files )
 	{
+		for ( const auto& [name, value] : file.start_state )
+		{
+			if ( is_known( name ) )
+			{
+				values.emplace( name, value );
+				continue;
+			}
+			notices.push_back(
+			    { file.file, fmt::format( "trajectory_start: joint '{}'", name ), "the robot cannot move it; it is ignored" } );
+		}
 		for ( std::size_t i = 0; i < file.joint_names.size(); ++i )
 		{
 			if ( is_known( file.joint_names[i] ) )
@@ -98,6 +98,26 @@ Values startValues(
 		}
 	}
 	return values;
+}
+
+void noteUnknownLimits( const JointLimits& limits, const std::string& file, const io::RobotModel& robot, std::vector<io::Notice>& notices )
+{
+	const std::vector<std::string> known = variableNames( robot );
+	std::set<std::string> unknown;
+	for ( const std::map<std::string, double>* of_kind : { &limits.velocity, &limits.acceleration } )
+	{
+		for ( const auto& [name, value] : *of_kind )
+		{
+			if ( std::find( known.begin(), known.end(), name ) == known.end() )
+			{
+				unknown.insert( name );
+			}
+		}
+	}
+	for ( const std::string& name : unknown )
+	{
+		notices.push_back( { file, "joint_limits." + name, "the robot has no such joint to move; its limits are not kept" } );
+	}
 }
 
 std::vector<std::vector<double>> groupPoints( const PathFile& path, const io::Problem& problem )

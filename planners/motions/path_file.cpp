@@ -68,24 +68,31 @@ void readPoints( PathFile& path, const YAML::Node& root, std::size_t file_size )
 	const std::size_t numbers = points.size() * path.joint_names.size();
 	io::detail::checkLimit( &io::Limits::alias_nodes, numbers > file_size ? numbers - file_size : 0, "numbers by its aliases",
 	    path.file, "points" );
+	bool timed = false;
 	for ( std::size_t i = 0; i < points.size(); ++i )
 	{
 		const std::string element = fmt::format( "points[{}].positions", i );
+		checkFields( path.file, fmt::format( "points[{}]", i ), points[i], Message::joint_trajectory_point, path.notices );
+		for ( const char* key : { "velocities", "accelerations", "time_from_start" } )
+		{
+			timed = timed || !io::saysNothing( child( points[i], key ) );
+		}
 		const YAML::Node positions = points[i].IsMap() ? points[i]["positions"] : points[i];
 		path.points.push_back( numberList(
 		    path.file, positions, element, path.joint_names.size(), "give one position for every name in joint_names" ) );
+	}
+	if ( timed )
+	{
+		path.notices.push_back( { path.file, "points",
+		    "times, velocities and accelerations are not used: a path has straight edges; audit --trajectory proves the motion in time" } );
 	}
 }
 
 void readStart( PathFile& path, const YAML::Node& root )
 {
-	const YAML::Node state = child( root, "start_state" ), joints = child( state, "joint_state" );
-	checkFields( path.file, "start_state", state, Message::robot_state, path.notices );
-	checkFields( path.file, "start_state.joint_state", joints, Message::joint_state, path.notices );
-	if ( joints.IsDefined() && joints.IsMap() )
-	{
-		path.start_state = jointState( path.file, joints, "start_state.joint_state" );
-	}
+	const StartState start = readStartState( path.file, root, "start_state", path.notices );
+	noticeVelocities( path.file, "start_state.joint_state", start, "a path has no times", path.notices );
+	path.start_state = start.positions;
 }
 
 /// A MoveIt trajectory as a path: its times and speeds are not those of straight edges.
@@ -98,14 +105,6 @@ void readMessage( PathFile& path, const YAML::Node& root, const YAML::Node& traj
 	}
 	checkFields( path.file, "", root, Message::robot_trajectory, path.notices, keys );
 	checkFields( path.file, "joint_trajectory", trajectory, Message::joint_trajectory, path.notices );
-	const YAML::Node first = child( trajectory, "points" ).IsDefined() && trajectory["points"].IsSequence()
-	                             ? trajectory["points"][0]
-	                             : YAML::Node();
-	if ( child( first, "velocities" ).IsDefined() || child( first, "time_from_start" ).IsDefined() )
-	{
-		path.notices.push_back( { path.file, "joint_trajectory.points",
-		    "times, velocities and accelerations are not used: a path has straight edges; audit --trajectory proves the motion in time" } );
-	}
 }
 
 /// Other programs may add keys, but min_D would be a path without its margin.
@@ -166,11 +165,11 @@ PathFile readPath( const std::string& file )
 	path.file = file;
 	std::size_t bytes = 0;
 	const std::vector<YAML::Node> documents = loadYaml( file, &bytes );
-	const YAML::Node root = documents.empty() ? YAML::Node() : documents.front();
 	if ( documents.size() > 1 )
 	{
-		throw io::Error( file, "path", fmt::format( "is one of {} documents", documents.size() ), "give one path" );
+		throw io::Error( file, "path", fmt::format( "is one of {} YAML documents", documents.size() ), "keep one" );
 	}
+	const YAML::Node root = documents.empty() ? YAML::Node() : documents.front();
 	if ( !root.IsMap() )
 	{
 		throw io::Error(

@@ -45,17 +45,17 @@ std::vector<std::size_t> columnsOf( const io::Problem& problem, const Trajectory
 	return columns;
 }
 
-unsigned degreeOf( const TrajectoryFile& file, std::size_t i, Interpolation interpolation )
+/// @param index of b in the file
+unsigned degreeOf( const TrajectoryFile& file, const TrajectoryPoint& a, const TrajectoryPoint& b, std::size_t index,
+    Interpolation interpolation )
 {
-	const TrajectoryPoint &a = file.points[i], &b = file.points[i + 1];
 	const bool velocities = !a.velocities.empty() && !b.velocities.empty();
 	const bool accelerations = velocities && !a.accelerations.empty() && !b.accelerations.empty();
-	for ( const std::size_t k : { i, i + 1 } )
+	for ( const TrajectoryPoint* point : { &a, &b } )
 	{
-		if ( interpolation == Interpolation::automatic && file.points[k].velocities.empty() &&
-		     !file.points[k].accelerations.empty() )
+		if ( interpolation == Interpolation::automatic && point->velocities.empty() && !point->accelerations.empty() )
 		{
-			throw io::Error( file.file, file.at( fmt::format( "points[{}]", k ) ),
+			throw io::Error( file.file, file.at( fmt::format( "points[{}]", point == &a ? index - 1 : index ) ),
 			    "has accelerations and no velocities: ROS's joint_trajectory_controller does not interpolate such points",
 			    "add the velocities, or remove the accelerations" );
 		}
@@ -73,7 +73,7 @@ unsigned degreeOf( const TrajectoryFile& file, std::size_t i, Interpolation inte
 	const bool cubic = interpolation == Interpolation::cubic;
 	if ( !( cubic ? velocities : accelerations ) )
 	{
-		const std::size_t lacking = ( cubic ? a.velocities : a.accelerations ).empty() ? i : i + 1;
+		const std::size_t lacking = ( cubic ? a.velocities : a.accelerations ).empty() ? index - 1 : index;
 		throw io::Error( file.file, file.at( fmt::format( "points[{}]", lacking ) ),
 		    cubic ? "has no velocities" : "has no velocities or no accelerations",
 		    "add them, or choose --interpolation auto or linear" );
@@ -81,9 +81,9 @@ unsigned degreeOf( const TrajectoryFile& file, std::size_t i, Interpolation inte
 	return cubic ? 3 : 5;
 }
 
-Segment segmentOf( const TrajectoryFile& file, std::size_t i, const std::vector<std::size_t>& columns, unsigned degree )
+Segment segmentOf(
+    const TrajectoryPoint& a, const TrajectoryPoint& b, const std::vector<std::size_t>& columns, unsigned degree )
 {
-	const TrajectoryPoint &a = file.points[i], &b = file.points[i + 1];
 	Segment s;
 	s.seconds = b.time - a.time;
 	s.degree = degree;
@@ -334,22 +334,37 @@ std::vector<Segment> segmentsOf(
 	const std::vector<std::size_t> columns = columnsOf( problem, file );
 	for ( std::size_t i = 0; i + 1 < file.points.size(); ++i )
 	{
-		segments.push_back( segmentOf( file, i, columns, degreeOf( file, i, interpolation ) ) );
+		const TrajectoryPoint &a = file.points[i], &b = file.points[i + 1];
+		segments.push_back( segmentOf( a, b, columns, degreeOf( file, a, b, i + 1, interpolation ) ) );
 		segments.back().begin = begin + file.points[i].time - file.points.front().time;
 	}
 	if ( file.points.size() == 1 ) // one state that is held
 	{
-		TrajectoryFile held = file;
-		held.points.push_back( held.points.front() );
-		segments.push_back( segmentOf( held, 0, columns, 1 ) );
+		segments.push_back( segmentOf( file.points.front(), file.points.front(), columns, 1 ) );
+		segments.back().begin = begin;
+	}
+	return segments;
+}
+
+std::vector<Segment> approachesTo( const io::Problem& problem, const TrajectoryFile& file, const TrajectoryPoint& start,
+    Interpolation interpolation, double begin )
+{
+	const std::vector<std::size_t> columns = columnsOf( problem, file );
+	const unsigned most = degreeOf( file, start, file.points.front(), 0, interpolation );
+	std::vector<Segment> segments;
+	for ( unsigned degree = interpolation == Interpolation::automatic ? 1 : most; degree <= most; degree += 2 )
+	{
+		segments.push_back( segmentOf( start, file.points.front(), columns, degree ) );
 		segments.back().begin = begin;
 	}
 	return segments;
 }
 
 TrajectoryAudit auditTrajectory( const io::Problem& problem, const io::RobotModel& robot, const std::string& file,
-    const std::vector<Segment>& segments, const TrajectorySettings& settings )
+    const std::vector<Segment>& segments, const TrajectorySettings& settings, const std::vector<Segment>& instead )
 {
+	std::vector<Segment> driven = instead;
+	driven.insert( driven.end(), segments.begin(), segments.end() );
 	TrajectoryAudit audit;
 	audit.segments = segments.size();
 	audit.duration = segments.back().begin + segments.back().seconds;
@@ -366,6 +381,9 @@ TrajectoryAudit auditTrajectory( const io::Problem& problem, const io::RobotMode
 	for ( const Segment& segment : segments )
 	{
 		++audit.by_degree[segment.degree];
+	}
+	for ( const Segment& segment : driven )
+	{
 		lw_edge_result result;
 		require( lw_checker_curve( problem.checker.get(), query.get(), segment.points.data(), segment.degree, &def, &result ),
 		    "proof of a segment" );
@@ -379,7 +397,7 @@ TrajectoryAudit auditTrajectory( const io::Problem& problem, const io::RobotMode
 	}
 	audit.proof_seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 	audit.lower_bound = audit.violation.verdict == LW_VERDICT_FREE ? lower_bound : 0;
-	checkLimits( problem, robot, segments, settings.limits, audit.problems );
+	checkLimits( problem, robot, driven, settings.limits, audit.problems );
 	return audit;
 }
 

@@ -171,17 +171,30 @@ void readTolerances( TrajectoryFile& t, const YAML::Node& root )
 
 void readStart( const YAML::Node& root, TrajectoryFile& t )
 {
+	std::string first;
+	StartState start;
 	for ( const std::string& key : start_keys )
 	{
-		const YAML::Node state = child( root, key.c_str() ), joints = child( state, "joint_state" );
-		checkFields( t.file, key, state, Message::robot_state, t.notices );
-		checkFields( t.file, key + ".joint_state", joints, Message::joint_state, t.notices );
-		const YAML::Node names = child( joints, "name" );
-		if ( joints.IsDefined() && joints.IsMap() && !( names.IsDefined() && names.IsSequence() && names.size() == 0 ) )
+		StartState state = readStartState( t.file, root, key.c_str(), t.notices );
+		if ( state.positions.empty() )
 		{
-			t.start_state = jointState( t.file, joints, key + ".joint_state" );
+			continue;
 		}
+		if ( !first.empty() && ( state.positions != start.positions || state.velocities != start.velocities ) )
+		{
+			throw io::Error( t.file, key, fmt::format( "differs from {}: the motion has one start", first ),
+			    fmt::format( "keep {} or {}", first, key ) );
+		}
+		first = key;
+		start = std::move( state );
 	}
+	t.start_state = start.positions;
+	if ( t.points.front().time > 0 )
+	{
+		t.start_velocity.insert( start.velocities.begin(), start.velocities.end() );
+		return;
+	}
+	noticeVelocities( t.file, first + ".joint_state", start, "the motion begins with its first point", t.notices );
 }
 
 void readDocument( const std::string& file, const YAML::Node& root, std::size_t bytes, std::vector<TrajectoryFile>& out )
@@ -286,69 +299,79 @@ TrajectoryFile readTrajectoryTable( const std::string& file )
 	return t;
 }
 
+// ---- joint limits ----------------------------------------------------------------------------------------------------
+
+/// A limit with a misspelt name is a limit that is not kept. @param unused known, and named in a notice
+void checkLimitKeys( const std::string& file, const std::string& element, const YAML::Node& node,
+    const std::vector<std::string>& used, const std::vector<std::string>& unused, std::vector<io::Notice>& notices )
+{
+	std::vector<std::string> known = used;
+	known.insert( known.end(), unused.begin(), unused.end() );
+	for ( const auto& entry : node )
+	{
+		const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+		const std::string place =
+		    fmt::format( "{}{} (line {})", element.empty() ? "" : element + ".", key, entry.first.Mark().line + 1 );
+		if ( std::find( known.begin(), known.end(), key ) == known.end() )
+		{
+			const std::string meant = io::meantKey( key, known );
+			throw io::Error( file, place, "this key is not known" + ( meant.empty() ? "" : ": is " + meant + " meant?" ),
+			    meant.empty() ? "remove it" : "write " + meant + ", or remove it" );
+		}
+		if ( std::find( used.begin(), used.end(), key ) == used.end() && !io::saysNothing( entry.second ) )
+		{
+			notices.push_back(
+			    { file, place, "is not used: velocities and accelerations are compared with max_velocity and max_acceleration" } );
+		}
+	}
+}
+
+/// Puts a limit into `out` if its flag is true.
+void readLimit( const std::string& file, const std::string& joint, const YAML::Node& limits, const char* has,
+    const char* key, std::map<std::string, double>& out, std::vector<io::Notice>& notices )
+{
+	const YAML::Node flag = limits[has], value = limits[key];
+	const std::string prefix = "joint_limits." + joint + ".", element = prefix + key;
+	const auto at = [&]( const char* wanted )
+	{
+		const auto entry = std::find_if(
+		    limits.begin(), limits.end(), [&]( const auto& found ) { return found.first.Scalar() == wanted; } );
+		return fmt::format( "{}{} (line {})", prefix, wanted, entry->first.Mark().line + 1 );
+	};
+	if ( !flag.IsDefined() )
+	{
+		if ( value.IsDefined() && !io::saysNothing( value ) )
+		{
+			throw io::Error( file, at( key ), fmt::format( "there is no {}: does the limit hold?", has ),
+			    fmt::format( "write {}: true or {}: false", has, has ) );
+		}
+		return;
+	}
+	bool holds = false;
+	if ( !YAML::convert<bool>::decode( flag, holds ) )
+	{
+		throw io::Error( file, at( has ),
+		    fmt::format( "'{}' is neither true nor false", flag.IsScalar() ? flag.Scalar() : "" ), "write true or false" );
+	}
+	if ( !holds )
+	{
+		if ( value.IsDefined() && !io::saysNothing( value ) )
+		{
+			notices.push_back( { file, at( key ), fmt::format( "is not used: {} is not true", has ) } );
+		}
+		return;
+	}
+	const double limit = finiteValue( file, value.IsDefined() ? value : YAML::Node(), element );
+	if ( !( limit > 0 ) )
+	{
+		throw io::Error( file, element, "is not above 0", "give a limit above 0, or set its has_ flag to false" );
+	}
+	out[joint] = limit;
+}
+
 bool endsWith( const std::string& text, const std::string& end )
 {
 	return text.size() >= end.size() && text.compare( text.size() - end.size(), end.size(), end ) == 0;
-}
-
-/// A key that is misspelt would be a limit less. @param unused keys of MoveIt that have no say here
-void checkLimitKeys( const std::string& file, const std::string& element, const YAML::Node& map, const std::vector<std::string>& used,
-    const std::vector<std::string>& unused, std::vector<io::Notice>& notices )
-{
-	for ( const auto& entry : map )
-	{
-		const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
-		const std::string at = element.empty() ? key : element + "." + key;
-		if ( std::find( unused.begin(), unused.end(), key ) != unused.end() )
-		{
-			notices.push_back( { file, at, "is not used: velocities and accelerations bound the motion, the URDF its joints" } );
-		}
-		else if ( std::find( used.begin(), used.end(), key ) == used.end() )
-		{
-			const std::string meant = io::meantKey( key, used );
-			throw io::Error( file, at, "this key is not known" + ( meant.empty() ? "" : ": is " + meant + " meant?" ),
-			    meant.empty() ? "remove it" : "write " + meant + ", or remove it" );
-		}
-	}
-}
-
-void readLimitsOf( const std::string& file, const std::string& name, const YAML::Node& joint, JointLimits& limits )
-{
-	const std::string element = "joint_limits." + name;
-	if ( !joint.IsMap() )
-	{
-		throw io::Error( file, element, "is no map of limits", "write has_velocity_limits, max_velocity and their kind below it" );
-	}
-	checkLimitKeys( file, element, joint, { "has_velocity_limits", "max_velocity", "has_acceleration_limits", "max_acceleration" },
-	    { "has_position_limits", "min_position", "max_position", "has_deceleration_limits", "max_deceleration", "has_jerk_limits", "max_jerk",
-	        "has_effort_limits", "max_effort", "angle_wraparound", "has_soft_limits", "soft_lower_limit", "soft_upper_limit", "k_position",
-	        "k_velocity" },
-	    limits.notices );
-	const auto read = [&]( const char* has, const char* key, std::map<std::string, double>& out )
-	{
-		const YAML::Node flag = child( joint, has ), value = child( joint, key );
-		bool given = false;
-		if ( flag.IsDefined() && !YAML::convert<bool>::decode( flag, given ) )
-		{
-			throw io::Error( file, element + "." + has, "is neither true nor false", "write true or false" );
-		}
-		const std::string at = element + "." + key;
-		const double limit = given || value.IsDefined() ? finiteValue( file, value.IsDefined() ? value : YAML::Node(), at ) : 0;
-		if ( given && !( limit > 0 ) )
-		{
-			throw io::Error( file, at, "is not above 0", "give a limit above 0, or set its has_ flag to false" );
-		}
-		if ( given )
-		{
-			out[name] = limit;
-		}
-		else if ( limit != 0 ) // MoveIt writes 0 where there is none
-		{
-			limits.notices.push_back( { file, at, fmt::format( "is not used: {} is not true", has ) } );
-		}
-	};
-	read( "has_velocity_limits", "max_velocity", limits.velocity );
-	read( "has_acceleration_limits", "max_acceleration", limits.acceleration );
 }
 
 } // namespace
@@ -385,15 +408,29 @@ JointLimits readJointLimits( const std::string& file )
 	const YAML::Node joints = documents.size() == 1 ? child( documents.front(), "joint_limits" ) : YAML::Node();
 	if ( !joints.IsDefined() || !joints.IsMap() )
 	{
-		throw io::Error( file, "joint_limits", documents.size() > 1 ? "is in one of several documents" : "is missing or no map",
+		throw io::Error( file, "joint_limits",
+		    documents.size() > 1 ? "is in one of several YAML documents" : "is missing or no map",
 		    "give MoveIt's joint_limits.yaml" );
 	}
 	JointLimits limits;
-	const std::vector<std::string> unused = { "default_velocity_scaling_factor", "default_acceleration_scaling_factor" };
-	checkLimitKeys( file, "", documents.front(), { "joint_limits" }, unused, limits.notices );
+	checkLimitKeys( file, "", documents.front(), { "joint_limits" },
+	    { "default_velocity_scaling_factor", "default_acceleration_scaling_factor" }, limits.notices );
 	for ( const auto& joint : joints )
 	{
-		readLimitsOf( file, joint.first.Scalar(), joint.second, limits );
+		const std::string name = joint.first.Scalar();
+		if ( !joint.second.IsMap() )
+		{
+			throw io::Error( file, fmt::format( "joint_limits.{} (line {})", name, joint.first.Mark().line + 1 ), "is no map",
+			    "give has_velocity_limits, max_velocity, has_acceleration_limits and max_acceleration" );
+		}
+		checkLimitKeys( file, "joint_limits." + name, joint.second,
+		    { "has_velocity_limits", "max_velocity", "has_acceleration_limits", "max_acceleration" },
+		    { "has_position_limits", "min_position", "max_position", "min_velocity", "min_acceleration", "has_jerk_limits",
+		        "max_jerk", "has_deceleration_limits", "max_deceleration", "has_effort_limits", "max_effort",
+		        "angle_wraparound", "has_soft_limits", "k_position", "k_velocity", "soft_lower_limit", "soft_upper_limit" },
+		    limits.notices );
+		readLimit( file, name, joint.second, "has_velocity_limits", "max_velocity", limits.velocity, limits.notices );
+		readLimit( file, name, joint.second, "has_acceleration_limits", "max_acceleration", limits.acceleration, limits.notices );
 	}
 	return limits;
 }

@@ -10,11 +10,30 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <set>
 
 namespace leeway::motions
 {
+
+namespace
+{
+
+/// A line that parts documents. Readers of one document pass over all that stands behind it, so other spellings than "---" alone are errors.
+bool isMark( const std::string& file, std::size_t line, const std::string& text )
+{
+	const std::string bare = trimmed( text.substr( 0, text.find( " #" ) ) );
+	const bool begins = text.compare( 0, 3, "---" ) == 0 && ( text.size() == 3 || std::isspace( static_cast<unsigned char>( text[3] ) ) != 0 );
+	if ( ( begins && bare != "---" ) || ( text.compare( 0, 3, "..." ) == 0 && bare == "..." ) )
+	{
+		throw io::Error( file, fmt::format( "line {}", line + 1 ), fmt::format( "'{}' ends a document in a way that is not read here", bare ),
+		    "write --- on a line of its own between two documents, and nothing else" );
+	}
+	return bare == "---";
+}
+
+} // namespace
 
 std::vector<YAML::Node> loadYaml( const std::string& file, std::size_t* out_bytes )
 {
@@ -25,12 +44,11 @@ std::vector<YAML::Node> loadYaml( const std::string& file, std::size_t* out_byte
 	for ( std::size_t at = 0; at <= bytes.size(); ++line )
 	{
 		const std::size_t end = std::min( bytes.find( '\n', at ), bytes.size() );
-		const std::string text = trimmed( bytes.substr( at, end - at ) );
-		const bool last = end >= bytes.size();
-		if ( text == "---" || last )
+		const bool mark = isMark( file, line, bytes.substr( at, end - at ) ), last = end >= bytes.size();
+		if ( mark || last )
 		{
 			// YAML::LoadAll() never returns from some malformed texts: documents are parted here
-			const std::string document = bytes.substr( begin, ( text == "---" ? at : end ) - begin );
+			const std::string document = bytes.substr( begin, ( mark ? at : end ) - begin );
 			try
 			{
 				documents.push_back( YAML::Load( document ) );
@@ -67,6 +85,18 @@ double finiteValue( const std::string& file, const YAML::Node& node, const std::
 	}
 	catch ( const YAML::Exception& )
 	{
+	}
+	const std::string tag = node.IsDefined() ? node.Tag() : "", text = node.IsDefined() && node.IsScalar() ? node.Scalar() : "";
+	if ( tag == "tag:yaml.org,2002:str" || tag == "tag:yaml.org,2002:binary" || tag == "tag:yaml.org,2002:null" )
+	{
+		throw io::Error( file, element, fmt::format( "'{}' has a tag of a text", text ), "remove the tag" );
+	}
+	const std::size_t digits = text.find_first_not_of( "+-" );
+	if ( digits != std::string::npos && digits + 1 < text.size() && text[digits] == '0' &&
+	     text.find_first_not_of( "0123456789", digits ) == std::string::npos )
+	{
+		throw io::Error( file, element, fmt::format( "'{}' begins with 0: some readers of YAML take it for an octal number", text ),
+		    "write it without the 0" );
 	}
 	if ( !std::isfinite( value ) )
 	{

@@ -727,12 +727,13 @@ int runPlan( const PlanOptions& options )
 	{
 		limits = readJointLimits( options.joint_limits );
 		readsFile( "--joint-limits", options.joint_limits );
-		notices.add( "joint limits", limits.notices );
 	}
 	OutputFile out( "--out", options.out ), report( "--report", options.report ),
 	    timed( "--trajectory", options.trajectory );
 	ViewFile view( options.view );
 	Input input = loadInput( options.common, notices );
+	noteUnknownLimits( limits, options.joint_limits, input.robot, limits.notices );
+	notices.add( "joint limits of the file", limits.notices );
 	input.max_d = options.common.min_d + planning_horizon;
 	const std::optional<io::ReachOptions> tables = laterTables( input );
 	const PlanEnds ends = readEnds( options, input );

@@ -224,11 +224,28 @@ bool ReachProgress::report( void* self, const char* stage, double share )
 	return true;
 }
 
+void noteState( const Input& input, const io::Problem& problem, Notices& notices )
+{
+	const std::map<std::string, double> none;
+	for ( const auto& [name, value] : input.scene ? input.scene->state.values : none )
+	{
+		const std::uint32_t at = variableOf( problem.robot.get(), name );
+		const bool in_group = std::find( problem.variables.begin(), problem.variables.end(), at ) != problem.variables.end();
+		if ( at != LW_INVALID_INDEX && !in_group && problem.reference[at] != value )
+		{
+			notices.add( "joints of the scene",
+			    fmt::format( "{}: robot_state.joint_state: joint {} is at {} there; here it stands at {}, and the scene is not asked", input.scene->file,
+			        name, value, problem.reference[at] ) );
+		}
+	}
+}
+
 Workbench::Workbench( const Input& input, std::string group, const Values& values, Notices& notices )
     : m_input( input ), m_group( std::move( group ) ), m_notices( notices ),
       m_values( standing( input.robot, input.request ? &*input.request : nullptr, values ) )
 {
 	build( m_values );
+	noteState( m_input, m_problem, m_notices );
 }
 
 io::ProblemOptions problemOptions( const Input& input, const std::string& group, const Values& values )

@@ -61,6 +61,9 @@ private:
 /// Options of a problem of these files. @param values by variable name
 io::ProblemOptions problemOptions( const Input& input, const std::string& group, const Values& values );
 
+/// Tells about joints that a scene's robot_state puts elsewhere than they stand. Tables and motions say where those of the group are.
+void noteState( const Input& input, const io::Problem& problem, Notices& notices );
+
 /// A checker for one group, rebuilt only when a joint outside of the group moves.
 ///
 /// Joints outside of the group stand where `values` puts them, else where the request starts, else at zero. (The

@@ -83,7 +83,8 @@ class Driver
 {
 public:
 	Driver( const AuditOptions& options, const Input& input, Stage& stage, Notices& notices, TrajectorySettings settings )
-	    : m_options( options ), m_input( input ), m_stage( stage ), m_notices( notices ), m_settings( std::move( settings ) )
+	    : m_options( options ), m_input( input ), m_stage( stage ), m_notices( notices ), m_settings( std::move( settings ) ),
+	      m_drive( input.request ? input.request->start.values : Values() )
 	{
 	}
 
@@ -97,7 +98,11 @@ public:
 			reach_progress.attach( m_stage.options().find_reach->def );
 		}
 		std::shared_ptr<const io::Problem> problem = m_stage.use( group );
-		m_notices.add( "the model", m_shown.insert( group ).second ? problem->notices : std::vector<io::Notice>() );
+		if ( m_shown.insert( group ).second )
+		{
+			m_notices.add( "the model", problem->notices );
+			noteState( m_input, *problem, m_notices );
+		}
 		return problem;
 	}
 
@@ -105,17 +110,10 @@ public:
 	{
 		const std::string group = groupOf( file, m_options.common.group, m_input.robot );
 		const std::shared_ptr<const io::Problem> problem = use( group );
-		if ( file.points.front().time > 0 )
-		{
-			m_notices.add( "first points",
-			    fmt::format(
-			        "{}: {}: the first point comes after {:g} s; the motion from the robot's state to it is not known and "
-			        "not proved",
-			        file.file, file.at( "points[0].time_from_start" ), file.points.front().time ) );
-		}
 		m_notices.add( "fields of the trajectory", file.notices );
 		m_settings.tolerance = tolerances( *problem, file.file, file.path_tolerance, tolerancesFor( m_options, *problem ) );
 		const TrajectoryAudit& audit = m_drive.add( *problem, m_input.robot, file, m_settings );
+		m_notices.add( "first points", m_drive.notices() );
 		if ( !m_options.profile.empty() )
 		{
 			profile += profileCsv( *problem, m_drive.segments(), m_settings.edge.flags, file.file );
@@ -171,11 +169,12 @@ int runTrajectoryAudit( const AuditOptions& options )
 	{
 		settings.limits = readJointLimits( options.joint_limits );
 		readsFile( "--joint-limits", options.joint_limits );
-		notices.add( "joint limits", settings.limits.notices );
 	}
 	OutputFile report( "--report", options.report ), profile_file( "--profile", options.profile );
 	ViewFile view( options.view );
 	const Input input = loadInput( options.common, notices );
+	noteUnknownLimits( settings.limits, options.joint_limits, input.robot, settings.limits.notices );
+	notices.add( "joint limits of the file", settings.limits.notices );
 	settings.edge.min_d = options.common.min_d;
 	settings.edge.flags = options.common.checkFlags();
 	settings.interpolation = interpolationOf( options.interpolation );

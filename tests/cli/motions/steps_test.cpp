@@ -94,7 +94,7 @@ TEST_F( CliSteps, JumpsBetweenStepsAreTold )
 {
 	const Outcome outcome = audit( back + "- trajectory: swing.csv\n" );
 	EXPECT_EQ( outcome.status, 1 );
-	EXPECT_TRUE( contains( outcome.out, "swing.csv starts 0.4 away" ) ) << outcome.out;
+	EXPECT_TRUE( contains( outcome.out, "in the end of the one before" ) ) << outcome.out;
 }
 
 TEST_F( CliSteps, BadStepsNameTheElementAndTheRemedy )

@@ -14,7 +14,7 @@ class Node;
 namespace leeway::io
 {
 
-/// Refuses keys that a map of a YAML or JSON document has twice (readers differ in which one counts), and documents that contain themselves or
+/// Refuses keys that a map of a YAML or JSON document has twice (readers differ in which one counts), merge keys, and documents that contain themselves or
 /// are far larger than their text by aliases. @param text_size of the document @param first_line of the file, from 0, that the document begins at
 /// @throws Error with the key and both lines
 void requireSoundDocument(

@@ -23,7 +23,7 @@ std::string lower( std::string text )
 	return text;
 }
 
-/// Refuses keys that are there twice, and documents that contain themselves or would be far larger than their text.
+/// Refuses keys that are there twice, merge keys, and documents that contain themselves or would be far larger than their text.
 class DocumentCheck
 {
 public:
@@ -65,6 +65,11 @@ private:
 		for ( const auto& entry : node )
 		{
 			const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+			if ( key == "<<" )
+			{
+				throw Error( m_file, fmt::format( "<< (line {})", lineOf( entry.first ) ),
+				    "merge keys are not read: their values would be lost", "write the values out" );
+			}
 			const auto [first, fresh] = keys.emplace( key, lineOf( entry.first ) );
 			if ( entry.first.IsScalar() && !fresh )
 			{
@@ -533,6 +538,7 @@ JointState readJointState( const YamlNode& state )
 	JointState result;
 	YamlNode joints = state["joint_state"];
 	joints.noticeUnknownKeys( { "header", "name", "position", "velocity", "effort" } );
+	joints.noticeUnused( { "velocity", "effort" }, "a state is where its joints are" );
 	std::vector<std::string> names = joints["name"].textList();
 	std::vector<double> positions = joints["position"].numberList();
 	if ( names.size() != positions.size() )
@@ -549,6 +555,8 @@ JointState readJointState( const YamlNode& state )
 	}
 	YamlNode multi = state["multi_dof_joint_state"];
 	multi.noticeUnknownKeys( { "header", "joint_names", "transforms", "twist", "wrench" } );
+	multi.noticeUnused( { "twist", "wrench" }, "a state is where its joints are" );
+	multi["header"].noticeUnused( { "frame_id" }, "transforms are those of the joints, from parent to child" );
 	std::vector<std::string> multi_names = multi["joint_names"].textList();
 	YamlNode transforms = multi["transforms"];
 	if ( multi_names.size() != transforms.size() )
@@ -597,6 +605,10 @@ bool leeway::io::holdsSeveralDocuments( const std::string& text )
 
 bool leeway::io::saysNothing( const YAML::Node& value )
 {
+	if ( !value.IsDefined() )
+	{
+		return true;
+	}
 	if ( value.IsMap() )
 	{
 		return std::all_of( value.begin(), value.end(), []( const auto& entry ) { return saysNothing( entry.second ); } );
@@ -606,6 +618,6 @@ bool leeway::io::saysNothing( const YAML::Node& value )
 		return std::all_of(
 		    value.begin(), value.end(), []( const YAML::Node& entry ) { return entry.IsScalar() && saysNothing( entry ); } );
 	}
-	const std::string text = value.IsDefined() && value.IsScalar() ? value.Scalar() : "";
+	const std::string text = value.IsScalar() ? value.Scalar() : "";
 	return text.empty() || text == "false" || text == "False" || text.find_first_not_of( "0." ) == std::string::npos;
 }

@@ -101,11 +101,13 @@ void SceneReader::checkTop() const
 	m_root.noticeUnknownKeys( { "name", "robot_state", "robot_model_name", "fixed_frame_transforms",
 	    "allowed_collision_matrix", "link_padding", "link_scale", "object_colors", "world", "is_diff" } );
 	m_root["world"].noticeUnknownKeys( { "collision_objects", "octomap", "leeway_articulations" } );
+	m_root.noticeUnused( { "is_diff" }, "objects of the scene that this one changes are not in the file, and not in the world" );
 }
 
 Shape SceneReader::readPrimitive( const YamlNode& node, const std::string& owner )
 {
-	node.noticeUnknownKeys( { "type", "dimensions" } );
+	node.noticeUnknownKeys( { "type", "dimensions", "polygon" } );
+	node.noticeUnused( { "polygon" }, "it is that of a prism" );
 	std::string type = lower( node["type"].text() );
 	YamlNode dimensions = node["dimensions"];
 	if ( type == "box" || type == "1" )
@@ -406,10 +408,7 @@ SceneObject SceneReader::readObject( const YamlNode& unnamed )
 		node["operation"].fail(
 		    fmt::format( "operation {} is not supported", operation ), "a scene file only adds objects: use ADD (0)" );
 	}
-	if ( node["subframe_names"].size() > 0 )
-	{
-		node["subframe_names"].notice( "subframes are ignored" );
-	}
+	node.noticeUnused( { "subframe_names", "subframe_poses" }, "subframes are ignored" );
 	object.frame = node.frame();
 	if ( node["pose"].defined() )
 	{
@@ -443,6 +442,10 @@ void SceneReader::readOctomapMessage()
 	YamlNode node = m_root["world"]["octomap"], map = node["octomap"];
 	node.noticeUnknownKeys( { "header", "origin", "octomap", "leeway_unknown", "leeway_bounds" } );
 	map.noticeUnknownKeys( { "header", "binary", "id", "resolution", "data" } );
+	if ( map["header"]["frame_id"].textOr( "" ) != node["header"]["frame_id"].textOr( "" ) )
+	{
+		map["header"].noticeUnused( { "frame_id" }, "the map is in the frame of world.octomap.header" );
+	}
 	std::string bytes = map["data"].bytes();
 	if ( bytes.empty() )
 	{
@@ -527,6 +530,7 @@ void SceneReader::readAttached( const YamlNode& state )
 	{
 		YamlNode node = list[i];
 		node.noticeUnknownKeys( { "link_name", "object", "touch_links", "detach_posture", "weight" } );
+		node.noticeUnused( { "detach_posture", "weight" }, "an attached object is its shapes" );
 		AttachedObject attached;
 		attached.link = node["link_name"].text();
 		attached.touch_links = node["touch_links"].textList();
@@ -662,6 +666,7 @@ void SceneReader::read()
 	readOctomapMessage();
 	YamlNode state = m_root["robot_state"];
 	state.noticeUnknownKeys( { "joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff" } );
+	state.noticeUnused( { "is_diff" }, "joints that are not named stand where the request starts, or at zero" );
 	m_scene.state = detail::readJointState( state );
 	readAttached( state );
 	readMatrix();

@@ -80,10 +80,19 @@ std::vector<double> tolerances( const io::Problem& problem, const std::string& f
 std::vector<Segment> segmentsOf(
     const io::Problem& problem, const TrajectoryFile& file, Interpolation interpolation, double begin );
 
+/// The ways to a first point that comes after time 0, from where the controller finds the robot: straight, cubic if the point has velocities, quintic
+/// if it has accelerations too. Which of them ROS's joint_trajectory_controller drives depends on the state interfaces of the hardware; with
+/// another interpolation than automatic there is one.
+/// @param start one point of the file's joints at time 0, with velocities and accelerations (0 at rest)
+/// @return the last is that of the first point's own data
+std::vector<Segment> approachesTo( const io::Problem& problem, const TrajectoryFile& file, const TrajectoryPoint& start,
+    Interpolation interpolation, double begin );
+
 /// Proves all segments, and compares positions, velocities and accelerations with their limits at all times.
-/// @param file of the segments, for errors @throws io::Error
+/// @param file of the segments, for errors
+/// @param instead curves that may be driven in place of a segment: proved and compared too, and not counted @throws io::Error
 TrajectoryAudit auditTrajectory( const io::Problem& problem, const io::RobotModel& robot, const std::string& file,
-    const std::vector<Segment>& segments, const TrajectorySettings& settings );
+    const std::vector<Segment>& segments, const TrajectorySettings& settings, const std::vector<Segment>& instead = {} );
 
 /// Clearances over time, exact, at steps of 10 ms and at the end: lines "time,environment,self", without a header.
 std::string profileCsv( const io::Problem& problem, const std::vector<Segment>& segments, lw_check_flags flags, const std::string& file );
@@ -92,19 +101,37 @@ std::string profileCsv( const io::Problem& problem, const std::vector<Segment>& 
 class Drive
 {
 public:
-	/// Audits a trajectory that begins where the one before ended. A jump from there, or from the file's start state to a first
-	/// point at time 0, is a problem. @param problem of the trajectory's group, in the world as it is by then @throws io::Error
+	/// @param start where a request says that joints stand before the first trajectory; may be empty
+	explicit Drive( Values start = {} ) : m_start( std::move( start ) ) {}
+
+	/// Audits a trajectory that begins where the one before ended. A jump from there, or from the start state to a first
+	/// point at time 0, is a problem. The way to a first point that comes later is proved with it if the start is known. @param problem of the trajectory's group, in the world as it is by then @throws io::Error
 	const TrajectoryAudit& add(
 	    const io::Problem& problem, const io::RobotModel& robot, const TrajectoryFile& file, const TrajectorySettings& settings );
 	/// Segments of the last trajectory.
 	const std::vector<Segment>& segments() const { return m_segments; }
+	/// What the last trajectory leaves unproved.
+	const std::vector<io::Notice>& notices() const { return m_notices; }
 	/// Seconds at which it begins.
 	double begin() const { return m_begin; }
 	/// Of all.
 	const TrajectoryAudit& whole() const { return m_whole; }
 
 private:
+	/// Where a joint stands, and by what that is known.
+	struct Place
+	{
+		double value;
+		const char* of;
+	};
+	std::vector<Place> placesOf( const TrajectoryFile& file, const std::string& name ) const;
+	std::vector<Segment> approachesOf( const io::Problem& problem, const TrajectoryFile& file, const TrajectorySettings& settings );
+	std::vector<std::string> differences(
+	    const io::Problem& problem, const io::RobotModel& robot, const TrajectoryFile& file, const Segment& first ) const;
+
+	Values m_start;
 	TrajectoryAudit m_whole, m_last;
+	std::vector<io::Notice> m_notices;
 	std::vector<Segment> m_segments;
 	double m_begin = 0;
 	Values m_ends; ///< of all variables that were moved

@@ -25,6 +25,7 @@ struct TrajectoryFile
 	std::vector<std::string> joint_names;
 	std::vector<TrajectoryPoint> points;                     ///< at least one; times increase
 	std::vector<std::pair<std::string, double>> start_state; ///< of MoveIt's trajectory_start, or a path file's start_state
+	std::map<std::string, double> start_velocity; ///< of the same; empty unless the first point comes later than it
 	std::map<std::string, double> path_tolerance; ///< of a FollowJointTrajectory goal, by joint; as JointTolerance has it
 	std::vector<io::Notice> notices;              ///< fields that have no say
 
@@ -42,10 +43,10 @@ std::vector<TrajectoryFile> readTrajectories( const std::string& file );
 struct JointLimits
 {
 	std::map<std::string, double> velocity, acceleration;
-	std::vector<io::Notice> notices; ///< keys that have no say
+	std::vector<io::Notice> notices; ///< keys that are not used
 };
-/// MoveIt's joint_limits.yaml: has_velocity_limits, max_velocity, has_acceleration_limits, max_acceleration. Its other keys are notices,
-/// unknown ones are errors.
+/// MoveIt's joint_limits.yaml: has_velocity_limits, max_velocity, has_acceleration_limits, max_acceleration. A flag is a boolean as
+/// yaml-cpp reads it (true, yes, on, y in one case).
 /// @throws io::Error
 JointLimits readJointLimits( const std::string& file );
 
