@@ -700,13 +700,6 @@ void proveTables( const Workbench& bench, const io::ReachOptions& tables )
 	}
 }
 
-std::string reportText( Json json, Json audit, bool good )
-{
-	json["audit"] = std::move( audit );
-	json["good"] = good;
-	return jsonText( json );
-}
-
 AuditSettings auditSettings( const PlanOptions& options )
 {
 	AuditSettings settings;

@@ -170,4 +170,11 @@ void tellNoPath( const PlanOptions& options, const Workbench& bench, const Solut
 	    solution.undecided, reasons );
 }
 
+std::string reportText( Json json, Json audit, bool good )
+{
+	json["audit"] = std::move( audit );
+	json["good"] = good;
+	return jsonText( json );
+}
+
 } // namespace leeway::cli

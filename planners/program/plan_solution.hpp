@@ -60,6 +60,8 @@ double lengthOf( const Workbench& bench, const Points& points );
 PathFile pathFile(
     const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution, const Audit& audit );
 Json reportJson( const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution );
+/// The report as a file's text. @param audit null without a path
+std::string reportText( Json json, Json audit, bool good );
 /// The path, or the start of a plan without one, on a page.
 PageInput planPage(
     const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution, const Audit& audit );
