@@ -19,16 +19,19 @@ RECORD = ({"rows": 1, **maker()}, 0.0)
 
 class Future:
     def __init__(self, key, answer):
-        self.key, self.answer, self.cancelled = key, answer, False
+        self.key, self.answer, self.cancelled, self.status = key, answer, False, "finished"
+        if answer == "lost":  # finished, and its worker is dead by now
+            self.status = "lost"
 
     def add_done_callback(self, call):
         if self.answer is not None:
             call(self)
 
-    def exception(self):
+    def exception(self, timeout):
+        assert self.status != "lost", "Dask waits for ever"
         return self.answer if isinstance(self.answer, Exception) else None
 
-    def result(self):
+    def result(self, timeout):
         return self.answer
 
     def release(self):
@@ -101,6 +104,14 @@ def test_a_shard_that_kills_its_workers_is_given_up_and_takes_no_other_with_it()
     assert end is None and not aside and isinstance(out[5], FleetError) and "took 11 workers with it" in str(out[5])
     assert all(found == RECORD for index, found in out.items() if index != 5) and len(cluster.tries[5]) == 11
     assert max(len(tries) for index, tries in cluster.tries.items() if index != 5) <= 3
+
+
+def test_an_answer_that_its_worker_took_with_it_is_made_again():
+    lost = {3, 7, 8}
+    cluster = Cluster("ab", lambda node, index: "lost" if index in lost and not lost.discard(index) else RECORD)
+    out, aside, end = ended(cluster, 30)
+    assert end is None and not aside and all(found == RECORD for found in out.values())
+    assert {index for index, tries in cluster.tries.items() if len(tries) == 2} == {3, 7, 8}
 
 
 def test_shards_that_fail_everywhere_set_no_node_aside():

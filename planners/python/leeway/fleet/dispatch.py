@@ -27,6 +27,7 @@ __all__ = ["CampaignEnd", "Dispatch"]
 WINDOW = 8  # shards per thread that wait at a worker
 LOOK_SECONDS = 1.0  # between two lists of the workers
 ALONE_SECONDS = 5.0  # that a campaign waits for others after its last node was set aside
+ANSWER_SECONDS = 30.0  # for an answer that a worker has: it may have died since
 DEATHS = 10  # workers that a shard may take with it before it counts as failed
 WRONG = 2  # shards that fail at a node and not at another one, until it is set aside
 
@@ -213,16 +214,20 @@ class Dispatch:
         if asked is None and given is None:
             return
         try:
-            error = future.exception()
-            found = future.result() if error is None else None
+            if future.status == "lost":  # its worker died with the answer: Dask would wait for it
+                raise concurrent.futures.CancelledError
+            error = future.exception(ANSWER_SECONDS)
+            found = future.result(ANSWER_SECONDS) if error is None else None
             future.release()
-        except (asyncio.CancelledError, concurrent.futures.CancelledError, OSError) as lost:
+        except (asyncio.CancelledError, concurrent.futures.CancelledError, asyncio.TimeoutError, OSError) as lost:
             if given is not None:
                 given[1].shards.discard(given[0])
                 self.waiting.appendleft(given[0])
             if self.client.status != "running":
                 yield None, self._gone(type(lost).__name__)
-            elif asked is not None:
+                return
+            future.cancel()
+            if asked is not None:
                 self.workers.pop(asked[0].address, None)  # it is asked again
             return
         if asked is not None:
