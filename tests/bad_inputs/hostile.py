@@ -295,7 +295,7 @@ def hostile_cases():
 
 TARGETS = {"arm.urdf": "urdf", "kitchen.urdf": "urdf", "arm.srdf": "srdf", "scene.yaml": "scene", "states.csv": "csv", "edges.csv": "csv", "request.yaml": "request",
            "path.yaml": "path", "motion.yaml": "path", "motion.json": "path", "motion.csv": "path", "limits.yaml": "path", "steps.yaml": "steps", "margins.yaml": "settings",
-           "padding.yaml": "settings", "fore.stl": "mesh_stl", "fore.obj": "mesh_obj", "fore.off": "mesh_off", "fore.ply": "mesh_ply", "fore.dae": "mesh_dae",
+           "padding.yaml": "settings", "fore.stl": "mesh_stl", "fore.obj": "mesh_obj", "fore.ply": "mesh_ply", "fore.dae": "mesh_dae",
            "fore.gltf": "mesh_gltf", "fore.glb": "mesh_gltf", "cloud.pcd": "cloud_pcd", "cloud.ply": "cloud_ply", "map.bt": "octomap", "ground.txt": "height_map",
            "ground.png": "height_map"}
 

@@ -52,7 +52,6 @@ const std::vector<Target>& targets()
 	static const std::vector<Target> all = {
 	    { "mesh_stl", meshStl, text, "mesh_stl" },
 	    { "mesh_obj", meshObj, text, "mesh_obj" },
-	    { "mesh_off", meshOff, text, "mesh_off" },
 	    { "mesh_ply", meshPly, text, "mesh_ply" },
 	    { "mesh_dae", meshDae, text, "mesh_dae" },
 	    { "mesh_gltf", meshGltf, text, "mesh_gltf" },

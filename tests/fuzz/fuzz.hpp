@@ -32,7 +32,7 @@ const std::vector<Target>& targets();
 const Target* findTarget( const std::string& name );
 
 // In the order of the table, by source
-void meshStl( Input ), meshObj( Input ), meshOff( Input ), meshPly( Input ), meshDae( Input ), meshGltf( Input );
+void meshStl( Input ), meshObj( Input ), meshPly( Input ), meshDae( Input ), meshGltf( Input );
 void cloudPcd( Input ), cloudPly( Input ), octomap( Input ), heightMap( Input );
 void urdf( Input ), srdf( Input ), scene( Input ), request( Input ), settings( Input );
 void csv( Input ), path( Input ), steps( Input );

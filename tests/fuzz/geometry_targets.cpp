@@ -69,11 +69,6 @@ void meshObj( Input input )
 	readMesh( "input.obj", input );
 }
 
-void meshOff( Input input )
-{
-	readMesh( "input.off", input );
-}
-
 void meshPly( Input input )
 {
 	readMesh( "input.ply", input );
