@@ -8,7 +8,7 @@ namespace leeway::io
 {
 
 /// The text on one line and in UTF-8: line breaks and tabs become blanks, other bytes that cannot be printed (a byte 0, the sequences that
-/// command a terminal) \xNN.
+/// command a terminal) hexadecimal numbers.
 std::string printable( const std::string& text );
 
 } // namespace leeway::io

@@ -17,7 +17,7 @@ namespace leeway::motions
 class Stage
 {
 public:
-	/// @param robot, and what the pointers of `options` point to, outlive the stage
+	/// The robot, and all that pointers of `options` name, must outlive the stage.
 	/// @param options for all groups: their group and overrides are set here
 	/// @param values where variables stand at the beginning: standing()
 	Stage( const io::RobotModel& robot, io::ProblemOptions options, Values values )

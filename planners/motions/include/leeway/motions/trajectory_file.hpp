@@ -34,8 +34,8 @@ struct TrajectoryFile
 
 /// One or more trajectories, driven one after the other. Understood: trajectory_msgs/JointTrajectory, control_msgs/FollowJointTrajectory
 /// goals, moveit_msgs/RobotTrajectory and DisplayTrajectory, as YAML (as `ros2 topic echo` prints them) or JSON; time_from_start as
-/// sec and nanosec, secs and nsecs, or a number. CSV, by the ending .csv: columns time, <joint>, and perhaps velocity:<joint>,
-/// acceleration:<joint>.
+/// sec and nanosec, secs and nsecs, or a number. CSV, by the ending .csv: columns time, JOINT, and perhaps velocity:JOINT,
+/// acceleration:JOINT.
 /// @throws io::Error
 std::vector<TrajectoryFile> readTrajectories( const std::string& file );
 
