@@ -3,8 +3,10 @@
 # Runs before a release; too long, or with too many needs, for tests/run.sh, which comes first. Root is needed for the bare system. Each stage runs
 # although one before it failed; the last lines list all stages with their seconds, for core/docs/release.md.
 #
-#   release.sh [STAGE ...]        stages: arm64 python-arm64 python-threads colcon packages wheels ompl (default: all)
+#   release.sh [STAGE ...]        stages: hostile arm64 python-arm64 python-threads colcon packages wheels ompl (default: all)
 #
+#
+#   hostile   all hostile files of tests/bad_inputs, under its guard
 #   arm64     all tests of the core, emulated, and digests of answers against this machine's
 #   python-arm64    the Python module cross-compiled, its tests emulated, digests of answers against this machine's
 #   python-threads  tests of the Python package that start threads, under the thread sanitizer
@@ -16,7 +18,7 @@ set -uo pipefail
 cd "$( dirname "${BASH_SOURCE[0]}" )/.."
 exec </dev/null
 stages=( "$@" )
-[ "$#" -gt 0 ] || stages=( arm64 python-arm64 python-threads colcon packages wheels ompl )
+[ "$#" -gt 0 ] || stages=( hostile arm64 python-arm64 python-threads colcon packages wheels ompl )
 rows=() failed=0
 
 run()
@@ -33,6 +35,11 @@ answers()
 	local options=()
 	[ -e build/CMakeCache.txt ] || options=( -G Ninja -DCMAKE_BUILD_TYPE=Release )
 	cmake -S . -B build "${options[@]}" >/dev/null && cmake --build build --parallel "${JOBS:-$( nproc )}" --target print_answers
+}
+hostile()
+{
+	cmake --build build --parallel "${JOBS:-$( nproc )}" --target leeway leeway_guard &&
+		python3 tests/bad_inputs/bad_inputs.py build/bin/leeway --guard build/tests/guard/leeway_guard.so
 }
 arm64()
 {
@@ -86,11 +93,11 @@ ompl()
 .ci/install.sh core bridge tests arm64 packages python release || exit 1
 for stage in "${stages[@]}"; do
 	case "$stage" in
-	arm64 | packages | wheels | ompl) run "$stage" "$stage" ;;
+	hostile | arm64 | packages | wheels | ompl) run "$stage" "$stage" ;;
 	python-arm64 | python-threads) run "$stage" "${stage//-/_}" ;;
 	colcon) run colcon tests/packages/try_colcon.sh ;;
 	*)
-		echo "$0: there is no stage $stage; stages are arm64, python-arm64, python-threads, colcon, packages, wheels, ompl" >&2
+		echo "$0: there is no stage $stage; stages are hostile, arm64, python-arm64, python-threads, colcon, packages, wheels, ompl" >&2
 		exit 2
 		;;
 	esac

@@ -8,8 +8,5 @@ std::vector<std::unique_ptr<Experiment>> allExperiments()
 	all.push_back( makePaperExperiment() );
 	all.push_back( makeAblationExperiment() );
 	all.push_back( makeTradeExperiment() );
-#ifdef LEEWAY_BENCH_PLANS
-	all.push_back( makePlansExperiment() );
-#endif
 	return all;
 }

@@ -7,9 +7,6 @@
 std::unique_ptr<Experiment> makePaperExperiment();
 std::unique_ptr<Experiment> makeAblationExperiment();
 std::unique_ptr<Experiment> makeTradeExperiment();
-#ifdef LEEWAY_BENCH_PLANS // needs OMPL
-std::unique_ptr<Experiment> makePlansExperiment();
-#endif
 
 /// All of them, in the order of the report.
 std::vector<std::unique_ptr<Experiment>> allExperiments();

@@ -2,7 +2,6 @@
 // The experiment `trade` as a whole: see trade.hpp.
 #include "experiments/trade.hpp"
 
-#include <CLI/CLI.hpp>
 
 namespace
 {
@@ -20,10 +19,10 @@ public:
 		return settings.data.empty() || settings.smoke ? 2 : settings.quick ? 12 : 60;
 	}
 
-	void addOptions( CLI::App& app ) override
+	void addOptions( Command& command ) override
 	{
-		app.add_option( "--inject", m_trade.inject, "put an error into the answers of this knob, to see that the run fails" )
-		    ->check( CLI::IsMember( { "alpha", "min_d", "max_d", "range", "float", "slack", "certified", "steps" } ) );
+		command.option( "--inject", m_trade.inject,
+		    "put an error into the answers of alpha, min_d, max_d, range, float, slack, certified or steps, to see that the run fails" );
 	}
 
 	Outcome run( const ExperimentSettings& settings, Progress& progress ) override

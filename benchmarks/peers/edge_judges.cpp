@@ -88,7 +88,7 @@ bool EdgeJudges::byStates( const Motion& motion, bool tables, double fraction )
 		[checker, query]( const double* q )
 		{
 			bool free = false;
-			leeway::require( lw_checker_is_free( checker, query, q, LW_CHECK_BOTH, 0, &free ), "a state" );
+			leeway::require( lw_checker_is_free( checker, query, q, LW_CHECK_BOTH, 0, &free, nullptr ), "a state" );
 			return free;
 		} );
 }

@@ -57,7 +57,6 @@ public:
 	/// PeerEngine::shapeError() of two bodies together, at most.
 	double largestShapeError() const;
 
-	std::size_t environmentPairs() const { return m_environment_pairs.size(); }
 	std::size_t selfPairs() const { return m_self_pairs.size(); }
 
 private:

@@ -128,7 +128,7 @@ private:
 	{
 		std::vector<Asked> all = { { { "leeway", [this, question]( const double* n )
 		    {
-			    const lw_range range = { 0, question.verdict ? std::nextafter( 0.0, 1.0 ) : INFINITE, 0 };
+			    const lw_range range = question.verdict ? lw_range_threshold( 0 ) : lw_range_exact();
 			    lw_state_result result;
 			    leeway::require( lw_checker_state( m_problem.checker.get(), m_query.get(), m_states[numberOf( n )].data(),
 			                         LW_CHECK_ENVIRONMENT, &range, question.verdict, &result ),

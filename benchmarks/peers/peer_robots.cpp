@@ -203,8 +203,7 @@ private:
 
 	static Answer askLeeway( const State& state, const Question& question, bool self )
 	{
-		const lw_range range = question.verdict ? lw_range{ question.margin, std::nextafter( question.margin, INFINITE ), 0 }
-		                                        : lw_range{ 0, INFINITE, question.alpha };
+		const lw_range range = question.verdict ? lw_range_threshold( question.margin ) : lw_range{ 0, INFINITE, question.alpha };
 		lw_state_result result;
 		leeway::require( lw_checker_state( state.place->world->with_tables.get(), state.place->query.get(), state.q.data(),
 		                     self ? LW_CHECK_SELF : LW_CHECK_ENVIRONMENT, &range, question.verdict, &result ),
@@ -238,7 +237,8 @@ private:
 			    const Edge& edge = m_edges[numberOf( n )];
 			    const lw_edge_def def = lw_edge_def_default();
 			    lw_edge_result result;
-			    return single( edge.place->judges->byCertificate( edge.motion, m_settings.tables, def, result ) ? 0 : 1 );
+			    return single(
+			        edge.place->judges->byCertificate( edge.motion, !m_settings.no_tables, def, result ) ? 0 : 1 );
 		    },
 		    false, true,
 		    [this, &found]( std::size_t p, const double* n )
@@ -273,7 +273,7 @@ private:
 		trial.run( m_edges.size(), m_settings.repetitions, free_to_all );
 		char text[160];
 		std::snprintf( text, sizeof text, "C %s edges of %g rad, sampled at 1 %% by peers%s, %s", m_name.c_str(), length,
-		    m_settings.tables ? "" : ", no tables", set );
+		    m_settings.no_tables ? ", no tables" : "", set );
 		std::vector<double> verdicts;
 		for ( std::size_t i = 0; i < m_edges.size(); ++i )
 		{

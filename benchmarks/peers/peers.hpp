@@ -4,6 +4,7 @@
 
 #include "peers/peer_engine.hpp"
 #include "support/race.hpp"
+#include "support/result.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -13,14 +14,14 @@
 
 struct PeersSettings
 {
-	std::string data = LEEWAY_DATA_DIR, json, csv, svg, only;
+	std::string data = LEEWAY_DATA_DIR, only;
 	std::string robot, srdf, scene, request, group; ///< the user's own robot and scene; then only these
 	std::vector<std::string> modules;               ///< of engines, besides those next to the program
 	std::size_t states = 200;
 	int repetitions = 3;
 	std::uint64_t seed = 20260101;
 	double budget = 2; ///< seconds for pair proofs
-	bool tables = true;                 ///< of pairs and motion hulls, for edges
+	bool no_tables = false;             ///< of pairs and motion hulls, for edges
 	std::vector<double> lengths{ 0.5 }; ///< of edges, radians
 	bool quick = false;
 };
@@ -33,6 +34,9 @@ struct PeerLibrary
 	std::unique_ptr<PeerEngine> shared;                ///< the first of those that share geometry
 	bool managers = false;                             ///< its own broadphase answers about the environment
 };
+
+/// A module with the engine of another library. @throws std::runtime_error that names it if it cannot be used
+PeerLibrary loadPeer( const std::string& file );
 
 /// FCL, and the modules "leeway_peer_*.so" next to the program and those that are named.
 /// @throws std::runtime_error for a named module that cannot be used
@@ -66,11 +70,7 @@ public:
 	/// Rows of one workload, leeway's first: printed with the ratio to leeway's mean as they come.
 	void add( const std::vector<PeerRow>& rows );
 	std::size_t disagreements( const std::string& library ) const;
-	void writeJson( const std::string& file, nlohmann::ordered_json header ) const;
-	void writeCsv( const std::string& file ) const;
-	/// Draws one picture for each letter; for states one for each robot, environment and self apart. Needs gnuplot. @throws
-	/// std::runtime_error without it
-	void writeSvg( const std::string& folder ) const;
+	void write( Result& result ) const;
 
 private:
 	std::vector<PeerRow> m_rows;
@@ -79,4 +79,4 @@ private:
 /// All of them, one after the other.
 void runPeerWorkloads( const PeersSettings& settings, const std::vector<PeerLibrary>& peers, PeerReport& report );
 /// @return exit status: 1 if brute force contradicts some answer of leeway
-int runPeers( const PeersSettings& settings );
+int runPeers( const PeersSettings& settings, Result& result );

@@ -3,7 +3,7 @@
 #include "planning/generated_problems.hpp"
 
 #include "edge_auditor.hpp"
-#include "support/bench_program.hpp"
+#include "support/command.hpp"
 #include "support/provenance.hpp"
 
 #include <cmath>
@@ -305,7 +305,6 @@ std::string requestText(
 /// A free state with some room to the scene, or none after many attempts. Links of one robot may be built closer than that.
 bool freeState( const EdgeWorld& world, lw_query* query, Random& random, std::vector<double>& out )
 {
-	const lw_range range = { ROOM, std::nextafter( ROOM, 1.0 ), 0 };
 	for ( int attempt = 0; attempt < 2000; ++attempt )
 	{
 		out = world.randomState( random.engine() );
@@ -313,11 +312,10 @@ bool freeState( const EdgeWorld& world, lw_query* query, Random& random, std::ve
 		{
 			continue;
 		}
-		lw_state_result result;
+		bool free = false;
 		leeway::require(
-		    lw_checker_state( world.checker.get(), query, out.data(), LW_CHECK_ENVIRONMENT, &range, true, &result ),
-		    "a state" );
-		if ( result.verdict == LW_VERDICT_FREE )
+		    lw_checker_is_free( world.checker.get(), query, out.data(), LW_CHECK_ENVIRONMENT, ROOM, &free, nullptr ), "a state" );
+		if ( free )
 		{
 			return true;
 		}

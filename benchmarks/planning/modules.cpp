@@ -160,7 +160,7 @@ std::vector<WayKind> moduleWays( const std::vector<std::string>& files )
 		}
 		catch ( const std::runtime_error& error ) // libraries that the module was built with may be gone
 		{
-			std::fprintf( stderr, "bench_planning: without %s\n", error.what() );
+			std::fprintf( stderr, "leeway-bench planning: without %s\n", error.what() );
 		}
 	}
 	for ( const std::string& file : files )

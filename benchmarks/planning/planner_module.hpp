@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The interface between bench_planning and a planner of another library.
+// The interface between leeway-bench planning and a planner of another library.
 //
-// A module plans by its own model of the robot and its own checks; bench_planning hands it each problem, takes its path and has
+// A module plans by its own model of the robot and its own checks; leeway-bench hands it each problem, takes its path and has
 // it audited on the meshes. It needs nothing but the core's headers and calls none of the core's functions. README.md tells how
 // to add one.
 #pragma once

@@ -215,12 +215,12 @@ private:
 			q.push_back( a.low + ( a.high - a.low ) * ( static_cast<double>( placeOf( cell, i ) ) + 0.5 ) /
 			                         static_cast<double>( a.count ) );
 		}
-		const lw_range range = { 0, std::nextafter( 0.0, 1.0 ), 0 };
-		lw_state_result result;
+		bool free = false;
+		lw_state_reason reason;
 		leeway::require(
-		    lw_checker_state( m_problem.checker.get(), m_query.get(), q.data(), LW_CHECK_BOTH, &range, true, &result ),
+		    lw_checker_is_free( m_problem.checker.get(), m_query.get(), q.data(), LW_CHECK_BOTH, 0, &free, &reason ),
 		    "a state of the grid" );
-		return result.verdict != LW_VERDICT_BLOCKED;
+		return reason.verdict != LW_VERDICT_BLOCKED;
 	}
 
 	const io::Problem& m_problem;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# VAMP as a module of bench_planning, from sources of the user: -DLEEWAY_VAMP_SOURCE=DIR, a checkout of KavrakiLab/vamp. Of its
+# VAMP as a module of leeway-bench planning, from sources of the user: -DLEEWAY_VAMP_SOURCE=DIR, a checkout of KavrakiLab/vamp. Of its
 # dependencies two are included, nigh and pdqsort; VAMP's CMake fetches them into its build folder, or into CPM_SOURCE_CACHE. Plain
 # checkouts of them are named by -DLEEWAY_VAMP_INCLUDES="DIR;DIR".
 
@@ -79,11 +79,11 @@ function(leeway_vamp_flags out)
   set(${out} "${flags}" PARENT_SCOPE)
 endfunction()
 
-# bin/leeway_planner_vamp.so, which bench_planning finds beside it; not installed. VAMP's headers are not held to our warnings, and
+# bin/leeway_planner_vamp.so, which leeway-bench finds beside it; not installed. VAMP's headers are not held to our warnings, and
 # leeway_options is not linked: it forbids contraction, which VAMP is built with.
 function(leeway_add_vamp)
-  if(NOT TARGET bench_planning)
-    message(FATAL_ERROR "LEEWAY_VAMP_SOURCE: VAMP is a module of bench_planning, which this build does not have: "
+  if(NOT TARGET leeway_planning)
+    message(FATAL_ERROR "LEEWAY_VAMP_SOURCE: VAMP is a module of leeway-bench planning, which this build does not have: "
       "switch LEEWAY_BUILD_BRIDGE, LEEWAY_BUILD_PLANNERS and LEEWAY_BUILD_OMPL on, or leave LEEWAY_VAMP_SOURCE out")
   endif()
   leeway_find_vamp()
@@ -99,7 +99,7 @@ function(leeway_add_vamp)
   target_link_options(leeway_planner_vamp PRIVATE ${flags})
   target_compile_definitions(leeway_planner_vamp PRIVATE LEEWAY_VAMP_VERSION="${LEEWAY_VAMP_VERSION}"
     LEEWAY_VAMP_FLAGS="${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}, ${text}")
-  add_dependencies(bench_planning leeway_planner_vamp)
+  add_dependencies(leeway-bench leeway_planner_vamp)
   list(JOIN LEEWAY_VAMP_DIRS ", " text)
-  message(STATUS "VAMP ${LEEWAY_VAMP_VERSION} beside bench_planning, from ${text}")
+  message(STATUS "VAMP ${LEEWAY_VAMP_VERSION} beside leeway-bench, from ${text}")
 endfunction()

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// VAMP's RRT-Connect and its simplification as a module of bench_planning, compiled against VAMP's headers (vamp.cmake).
+// VAMP's RRT-Connect and its simplification as a module of leeway-bench planning, compiled against VAMP's headers (vamp.cmake).
 //
 // Settings, scenes and random numbers are those of VAMP's Python package: configure_robot_and_planner_with_kwargs() and
 // problem_dict_to_vamp() in src/vamp/__init__.py, the numbers of src/vamp/constants.py, its Halton sequence. How finely a motion

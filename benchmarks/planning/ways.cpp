@@ -8,7 +8,7 @@
 #include "leeway/ompl/versions.hpp"
 #include "leeway/planners/ompl_planner.hpp"
 #include "leeway/planners/smooth.hpp"
-#include "setup/planner_registry.hpp"
+#include "leeway/planners/planner_registry.hpp"
 
 #include <ompl/base/DiscreteMotionValidator.h>
 #include <ompl/geometric/PathSimplifier.h>
@@ -92,8 +92,8 @@ public:
 		si->getStateSpace()->enforceBounds( start.get() );
 		si->getStateSpace()->enforceBounds( goal.get() );
 		m_setup.setStartAndGoalStates( start, goal );
-		leeway::cli::ensureProjection( m_setup.getStateSpace() );
-		const ob::PlannerPtr planner = leeway::cli::findPlanner( kind.planner ).make( si );
+		leeway::planners::ensureProjection( m_setup.getStateSpace() );
+		const ob::PlannerPtr planner = leeway::planners::findPlanner( kind.planner ).make( si );
 		const double range = kind.range_by_robot ? leeway::planners::geometricRange( *m_engine ) : kind.range;
 		if ( range > 0 )
 		{
@@ -116,7 +116,7 @@ public:
 		m_setup.clear();
 		Planned out;
 		double start = processMicroseconds();
-		// by the clock itself: with solve( seconds ) a thread would look at it, which may not get its turn
+		// timedPlannerTerminationCondition reads the clock in each call; solve( seconds ) has a thread that reads it, late on a busy machine
 		const auto status = m_setup.getPlanner()->solve( ob::timedPlannerTerminationCondition( seconds ) );
 		out.plan_us = processMicroseconds() - start;
 		out.solved = status == ob::PlannerStatus::EXACT_SOLUTION;
@@ -217,7 +217,7 @@ std::vector<WayKind> planningWays( const std::vector<std::string>& planners, con
 	std::vector<WayKind> ways;
 	for ( const std::string& name : planners.empty() ? std::vector<std::string>{ "leeway", "RRTConnect" } : planners )
 	{
-		const std::string planner = isOwn( name ) ? "leeway" : leeway::cli::findPlanner( name ).name;
+		const std::string planner = isOwn( name ) ? "leeway" : leeway::planners::findPlanner( name ).name;
 		for ( const std::string& range : ranges.empty() ? std::vector<std::string>{ "default" } : ranges )
 		{
 			ways.push_back( rangedWay( planner, range ) );

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// audit_edges: who calls a colliding edge free? Certificates, with and without pair tables, and discrete validators at
+// Who calls a colliding edge free? Certificates, with and without pair tables, and discrete validators at
 // several resolutions over leeway's states and FCL's, against a dense look that knows nothing of certificates
 // (tests/support/edge_auditor.hpp). Exit status 1 if a certificate is wrong, or the auditor.
 //
 // The auditor checks every verdict of a certificate: FREE and its lower bound by a look at the whole edge; BLOCKED and
 // UNDECIDED by the distance of the named pair at t, and by FCL; `proved_until` by a look at the part up to there. A discrete
 // validator cannot err on a free edge, so only colliding edges are put to it.
-#include "support/bench_program.hpp"
-#include "peers/edge_judges.hpp"
 #include "edge_truth.hpp"
+#include "peers/edge_judges.hpp"
+#include "programs/commands.hpp"
 #include "support/edge_worlds.hpp"
 #include "support/planner_edges.hpp"
-#include "support/provenance.hpp"
+#include "support/race.hpp"
 
 #include <algorithm>
 #include <array>
@@ -31,7 +31,7 @@ namespace
 
 struct Settings
 {
-	std::string data = LEEWAY_DATA_DIR, json, record, edges_file, robot, scene, request, only;
+	std::string data = LEEWAY_DATA_DIR, record, edges_file, robot, scene, request, only;
 	std::size_t edges = 2000;
 	double resolution = 1e-4, budget = 2, plan_seconds = 1;
 	unsigned threads = 1;
@@ -94,13 +94,6 @@ lw_reach_def reachDef( double seconds )
 	return def;
 }
 
-double threadMilliseconds()
-{
-	timespec now;
-	clock_gettime( CLOCK_THREAD_CPUTIME_ID, &now );
-	return 1e3 * static_cast<double>( now.tv_sec ) + 1e-6 * static_cast<double>( now.tv_nsec );
-}
-
 /// Everybody who works in one world, for one thread.
 struct Seat
 {
@@ -131,7 +124,7 @@ public:
 		}
 	}
 
-	int run()
+	int run( Result& result )
 	{
 		if ( !m_settings.edges_file.empty() )
 		{
@@ -170,7 +163,7 @@ public:
 			throw std::runtime_error( m_error );
 		}
 		m_seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
-		return report();
+		return report( result );
 	}
 
 private:
@@ -425,7 +418,7 @@ private:
 
 	void judge( const Task& task, Seat& seat, Tally& tally )
 	{
-		const double start = threadMilliseconds();
+		const double start = 1e-3 * threadMicroseconds();
 		std::mt19937_64 random( m_settings.seed + 0x9e3779b97f4a7c15u * ( task.number + 1 ) );
 		const Motion motion = task.given ? task.motion : makeUpMotion( seat, random );
 		EdgeTruth truth( seat.judges.world(), seat.auditor, motion, 0 );
@@ -438,13 +431,13 @@ private:
 			seat.judges.byCertificate( motion, i == 1, def, results[i] );
 			tally.free[i] += results[i].verdict == LW_VERDICT_FREE;
 			tally.undecided[i] += results[i].verdict == LW_VERDICT_UNDECIDED;
-			const double before = threadMilliseconds();
+			const double before = 1e-3 * threadMicroseconds();
 			complain( truth.refute( def, results[i] ), task, motion, i, def, tally );
-			audit += threadMilliseconds() - before;
+			audit += 1e-3 * threadMicroseconds() - before;
 		}
-		const double before = threadMilliseconds();
+		const double before = 1e-3 * threadMicroseconds();
 		const bool blocked = truth.isBlocked();
-		audit += threadMilliseconds() - before;
+		audit += 1e-3 * threadMicroseconds() - before;
 		if ( random() % 8 == 0 )
 		{
 			askForMore( task, seat, motion, random, tally );
@@ -454,7 +447,7 @@ private:
 		tally.colliding += blocked;
 		tally.distances += truth.distances();
 		tally.audit_ms += audit;
-		tally.all_ms += threadMilliseconds() - start;
+		tally.all_ms += 1e-3 * threadMicroseconds() - start;
 		if ( m_record.is_open() )
 		{
 			record( task, seat.judges.world(), motion, results, blocked );
@@ -570,7 +563,7 @@ private:
 		return row;
 	}
 
-	int report()
+	int report( Result& result )
 	{
 		std::printf(
 		    "edges judged, those that collide; certificates without and with tables: called free, undecided, wrong; "
@@ -580,22 +573,21 @@ private:
 		    "", "edges", "collide", "free", "ref.", "wrong", "free", "ref.", "wrong", "own1%", ".5%", ".1%", "FCL1%", ".5%",
 		    ".1%", "dist.", "ms" );
 		Tally total;
-		Json rows = Json::array();
 		for ( const auto& [set, tally] : m_tallies )
 		{
-			rows.push_back( print( set, tally ) );
+			result.add( print( set, tally ) );
 			total.add( tally );
 		}
-		rows.push_back( print( "all", total ) );
+		result.add( print( "all", total ) );
 		std::printf(
 		    "states at which FCL and the auditor disagree on contact: %zu, brute force with FCL: %zu; %.0f s, %.2f ms of processor "
 		    "time per edge\n",
 		    total.fcl_differs, total.auditor_wrong, m_seconds,
 		    total.all_ms / static_cast<double>( std::max<std::size_t>( total.edges, 1 ) ) );
-		writeResult( m_settings.json,
-			{ { "provenance", m_provenance }, { "seed", m_settings.seed }, { "edges", total.edges },
-				{ "resolution", m_settings.resolution }, { "discrete_fractions", FRACTIONS },
-				{ "threads", m_settings.threads }, { "seconds", m_seconds }, { "wrong", m_wrong }, { "rows", rows } } );
+		result["edges"] = total.edges;
+		result["discrete_fractions"] = FRACTIONS;
+		result["seconds"] = m_seconds;
+		result["wrong"] = m_wrong;
 		return total.wrong[0] + total.wrong[1] + total.auditor_wrong > 0 ? 1 : 0;
 	}
 
@@ -603,7 +595,6 @@ private:
 	EdgeWorlds m_worlds;
 	std::shared_ptr<FclModels> m_models;
 	std::vector<Task> m_tasks;
-	const Json m_provenance = provenance(); ///< taken at the start: sources may change during the run
 	std::atomic<std::size_t> m_next{ 0 }, m_done{ 0 };
 	std::atomic<bool> m_failed{ false };
 	std::mutex m_mutex; ///< of all below
@@ -616,30 +607,27 @@ private:
 
 } // namespace
 
-int main( int argc, char** argv )
+void addAuditEdges( Bench& bench )
 {
-	Settings settings;
-	BenchProgram program( "audit_edges", "Who calls a colliding edge free?" );
-	program.option( "--data", settings.data, "folder of robots and scenes" );
-	program.option( "--count", settings.edges, "how many edges to judge" );
-	program.option(
-		"--only", settings.only, "only sets of worlds with this in their name, such as 'armar3 torso' or 'random'" );
-	program.option(
-		"--robot", settings.robot, "URDF,SRDF,GROUP: this robot instead; GROUP may be joints and groups joined by +" );
-	program.inputFile( "--scene", settings.scene, "with --robot: planning scene" );
-	program.inputFile( "--request", settings.request, "with --robot: its start state places the other joints" );
-	program.inputFile( "--edges", settings.edges_file, "judge the edges of this file instead" );
-	program.option( "--record", settings.record, "write edges and verdicts to this file" );
-	program.option( "--plan-seconds", settings.plan_seconds, "for each problem whose planner's motions are judged" );
-	program.option( "--resolution", settings.resolution, "metres of motion between two states near contact" );
-	program.option( "--budget", settings.budget, "seconds for pair proofs, per robot" );
-	program.option( "--threads", settings.threads, "that judge", { 1, 64 } );
-	program.option( "--seed", settings.seed, "of the edges that are made up" );
-	program.option( "--json", settings.json, "result file" );
-	return program.run( argc, argv,
-		[&]
-		{
-			std::signal( SIGINT, []( int ) { interrupted = 1; } );
-			return Audit( settings ).run();
-		} );
+	const auto s = std::make_shared<Settings>();
+	Command& command = bench.command( "audit-edges", "who calls a colliding edge free?" );
+	command.option( "--data", s->data, "folder of robots and scenes" );
+	command.option( "--count", s->edges, "how many edges to judge" );
+	command.option( "--only", s->only, "only sets of worlds with this in their name, such as 'armar3 torso' or 'random'" );
+	command.option( "--robot", s->robot, "URDF,SRDF,GROUP: this robot instead; GROUP may be joints and groups joined by +" );
+	command.inputFile( "--scene", s->scene, "with --robot: planning scene" );
+	command.inputFile( "--request", s->request, "with --robot: its start state places the other joints" );
+	command.inputFile( "--edges", s->edges_file, "judge the edges of this file instead" );
+	command.option( "--record", s->record, "write edges and verdicts to this file" );
+	command.option( "--plan-seconds", s->plan_seconds, "for each problem whose planner's motions are judged" );
+	command.option( "--resolution", s->resolution, "metres of motion between two states near contact" );
+	command.option( "--budget", s->budget, "seconds for pair proofs, per robot" );
+	command.option( "--threads", s->threads, "that judge", { 1, 64 } );
+	command.option( "--seed", s->seed, "of the edges that are made up" );
+	command.work(
+	    [s]( Result& result )
+	    {
+		    std::signal( SIGINT, []( int ) { interrupted = 1; } );
+		    return Audit( *s ).run( result );
+	    } );
 }

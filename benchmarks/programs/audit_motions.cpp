@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who calls a curve, a motion near an edge, or a rounded corner free that is not? The twin of audit_edges for motions that are no straight
+// Who calls a curve, a motion near an edge, or a rounded corner free that is not? The twin of audit-edges for motions that are no straight
 // edges: random Bezier curves, tubes around edges and curves, and paths with roundings are proved, and attacked by states of
 // them that a query without tables measures. README.md describes it.
 #include "edge_auditor.hpp"
-#include "setup/roundings.hpp"
-#include "support/bench_program.hpp"
+#include "leeway/motions/roundings.hpp"
+#include "programs/commands.hpp"
 #include "support/edge_worlds.hpp"
-#include "support/provenance.hpp"
 
 #include <algorithm>
 #include <array>
@@ -24,7 +23,7 @@ using State = std::vector<double>;
 
 struct Settings
 {
-	std::string data = LEEWAY_DATA_DIR, json, only, robot, scene;
+	std::string data = LEEWAY_DATA_DIR, only, robot, scene;
 	std::size_t motions = 2000;
 	unsigned threads = 1, states = 200;
 	double budget = 2, minutes = 1e9;
@@ -185,8 +184,8 @@ private:
 			path[2][i] = m_world.isRotation( i ) ? path[0][i] : path[2][i];
 		}
 		const double radius = decade( -2.5, -0.5 );
-		leeway::cli::RoundingProof proof;
-		leeway::require( leeway::cli::proveRoundings( checker(), query(), path, radius, m_def, proof ), "a path" );
+		leeway::motions::RoundingProof proof;
+		leeway::require( leeway::motions::proveRoundings( checker(), query(), path, radius, m_def, proof ), "a path" );
 		count( proof.verdict, tally );
 		if ( proof.verdict == LW_VERDICT_BLOCKED && clearance( proof.q ) > m_def.min_d + rounding )
 		{
@@ -232,7 +231,7 @@ private:
 		++tally.states;
 		bool free = false;
 		leeway::require(
-		    lw_checker_is_free( m_world.checker.get(), m_attacker.get(), q.data(), LW_CHECK_BOTH, m_def.min_d, &free ),
+		    lw_checker_is_free( m_world.checker.get(), m_attacker.get(), q.data(), LW_CHECK_BOTH, m_def.min_d, &free, nullptr ),
 		    "a state" );
 		const bool exact = !free || k % 32 == 0;
 		const double least = exact ? clearance( q ) : INFINITY;
@@ -301,7 +300,7 @@ public:
 		}
 	}
 
-	int run()
+	int run( Result& result )
 	{
 		const auto start = std::chrono::steady_clock::now();
 		const auto seconds = [&]
@@ -319,7 +318,7 @@ public:
 		{
 			throw std::runtime_error( m_error );
 		}
-		return report( seconds() );
+		return report( seconds(), result );
 	}
 
 private:
@@ -383,11 +382,10 @@ private:
 		}
 	}
 
-	int report( double seconds )
+	int report( double seconds, Result& result )
 	{
 		std::printf( "%-28s %-16s %8s %8s %8s %9s %6s %10s\n", "", "", "motions", "free", "blocked", "undecided", "wrong",
 		    "attacked" );
-		Json rows = Json::array();
 		std::size_t wrong = 0, motions = 0;
 		for ( const auto& [set, tallies] : m_tallies )
 		{
@@ -396,21 +394,20 @@ private:
 				const Tally& t = tallies[kind];
 				std::printf( "%-28s %-16s %8zu %8zu %8zu %9zu %6zu %10zu\n", set.c_str(), names[kind], t.motions, t.free,
 				    t.blocked, t.undecided, t.wrong, t.states );
-				rows.push_back( { { "set", set }, { "kind", names[kind] }, { "motions", t.motions }, { "free", t.free },
+				result.add( { { "set", set }, { "kind", names[kind] }, { "motions", t.motions }, { "free", t.free },
 				    { "blocked", t.blocked }, { "undecided", t.undecided }, { "wrong", t.wrong }, { "states", t.states } } );
 				wrong += t.wrong;
 				motions += t.motions;
 			}
 		}
 		std::printf( "%zu motions, %zu wrong, %.0f s\n", motions, wrong, seconds );
-		writeResult( m_settings.json, { { "provenance", m_provenance }, { "seed", m_settings.seed }, { "motions", motions },
-		                                  { "wrong", wrong }, { "rows", rows } } );
+		result["motions"] = motions;
+		result["wrong"] = wrong;
 		return wrong > 0 ? 1 : 0;
 	}
 
 	const Settings& m_settings;
 	EdgeWorlds m_worlds;
-	const Json m_provenance = provenance();
 	std::vector<std::vector<std::size_t>> m_sets;
 	std::atomic<std::size_t> m_next{ 0 };
 	std::mutex m_mutex; ///< of all below
@@ -420,26 +417,25 @@ private:
 
 } // namespace
 
-int main( int argc, char** argv )
+void addAuditMotions( Bench& bench )
 {
-	Settings settings;
-	BenchProgram program(
-	    "audit_motions", "Who calls a curve, a motion near an edge, or a rounded corner free that is not?" );
-	program.option( "--data", settings.data, "folder of robots and scenes" );
-	program.option( "--only", settings.only, "only sets of worlds with this in their name, such as 'panda' or 'random'" );
-	program.option( "--robot", settings.robot, "URDF,SRDF,GROUP: this robot instead; no GROUP is all joints" );
-	program.inputFile( "--scene", settings.scene, "with --robot: planning scene" );
-	program.option( "--count", settings.motions, "how many motions to judge" );
-	program.option( "--states", settings.states, "of each free one that are attacked", { 1 } );
-	program.option( "--minutes", settings.minutes, "after which no more are judged", POSITIVE );
-	program.option( "--budget", settings.budget, "seconds for pair proofs, per robot" );
-	program.option( "--threads", settings.threads, "that judge", { 1, 64 } );
-	program.option( "--seed", settings.seed, "of the motions" );
-	program.option( "--json", settings.json, "result file" );
-	return program.run( argc, argv,
-	    [&]
+	const auto s = std::make_shared<Settings>();
+	Command& command =
+	    bench.command( "audit-motions", "who calls a curve, a motion near an edge, or a rounded corner free that is not?" );
+	command.option( "--data", s->data, "folder of robots and scenes" );
+	command.option( "--only", s->only, "only sets of worlds with this in their name, such as 'panda' or 'random'" );
+	command.option( "--robot", s->robot, "URDF,SRDF,GROUP: this robot instead; no GROUP is all joints" );
+	command.inputFile( "--scene", s->scene, "with --robot: planning scene" );
+	command.option( "--count", s->motions, "how many motions to judge" );
+	command.option( "--states", s->states, "of each free one that are attacked", { 1 } );
+	command.option( "--minutes", s->minutes, "after which no more are judged", POSITIVE );
+	command.option( "--budget", s->budget, "seconds for pair proofs, per robot" );
+	command.option( "--threads", s->threads, "that judge", { 1, 64 } );
+	command.option( "--seed", s->seed, "of the motions" );
+	command.work(
+	    [s]( Result& result )
 	    {
-		    requireData( settings.data, "mbm" );
-		    return Audit( settings ).run();
+		    requireData( s->data, "mbm" );
+		    return Audit( *s ).run( result );
 	    } );
 }

@@ -10,20 +10,6 @@
 
 using Json = nlohmann::ordered_json;
 
-namespace
-{
-
-/// Of sorted values, share in [0, 1], between the two next to it.
-double quantile( const std::vector<double>& sorted, double share )
-{
-	const double place = share * static_cast<double>( sorted.size() - 1 );
-	const auto below = static_cast<std::size_t>( place );
-	const std::size_t above = std::min( below + 1, sorted.size() - 1 );
-	return sorted[below] + ( place - static_cast<double>( below ) ) * ( sorted[above] - sorted[below] );
-}
-
-} // namespace
-
 Measure measure( std::vector<double> values )
 {
 	if ( values.empty() )

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // An experiment: its settings and its results (tables, plots, and claims held against them). report.hpp makes a page of the
-// results, compare.hpp sets two of them side by side.
+// results.
 #pragma once
 
+#include "support/command.hpp"
 #include "support/race.hpp"
 
 #include <cstdint>
@@ -13,11 +14,6 @@
 #include <string>
 #include <variant>
 #include <vector>
-
-namespace CLI
-{
-class App;
-}
 
 /// Settings of all experiments.
 struct ExperimentSettings
@@ -57,7 +53,7 @@ private:
 	double m_from, m_to;
 };
 
-/// A figure that was measured several times: median and quartiles, by which compare.hpp tells change from noise.
+/// A figure that was measured several times: median and quartiles.
 struct Measure
 {
 	double median = 0, lower = 0, upper = 0;
@@ -72,11 +68,11 @@ using Cell = std::variant<std::string, double, Measure>;
 struct Column
 {
 	std::string name, unit; ///< unit "" = a word or a bare number
-	/// For compare.hpp: +1 more is better, -1 less is better, 0 neither.
+	/// +1 more is better, -1 less is better, 0 neither.
 	int better = 0;
 };
 
-/// The cells in front of the first column with `better` name the row for compare.hpp: no two rows may have equal names.
+/// The cells in front of the first column with `better` name the row: no two rows may have equal names.
 struct Table
 {
 	std::string id, title, note; ///< id: unique in the experiment, [a-z0-9-]
@@ -166,7 +162,7 @@ public:
 	/// Seconds it will take about, before it began: for the time left of several.
 	virtual double expectedSeconds( const ExperimentSettings& settings ) const = 0;
 	/// Options of its own, for its subcommand; the common ones are there already.
-	virtual void addOptions( CLI::App& ) {}
+	virtual void addOptions( Command& ) {}
 	/// @throws std::exception if it cannot be done
 	virtual Outcome run( const ExperimentSettings& settings, Progress& progress ) = 0;
 };

@@ -5,6 +5,7 @@
 #include "groundtruth.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <random>
@@ -24,12 +25,6 @@ std::map<std::string, std::size_t> entries( const leeway::io::Problem& problem )
 		index[problem.variable_names[i]] = i;
 	}
 	return index;
-}
-
-/// Uniform in [0, 1). std::uniform_real_distribution may differ between standard libraries; this does not.
-double uniform( std::mt19937_64& random )
-{
-	return static_cast<double>( random() >> 11 ) * 0x1p-53;
 }
 
 /// Torso and right arm uniform in their limits; the base and the left arm stay.
@@ -157,7 +152,22 @@ ConfigurationSet furnitureBases( const leeway::io::Problem& problem, std::mt1993
 
 } // namespace
 
-leeway::io::Problem loadKitchen( const std::string& data, const lw_tree_def& tree, double detail )
+std::vector<double> uniformState( const leeway::io::Problem& problem, std::mt19937_64& random )
+{
+	std::vector<double> state;
+	for ( const std::uint32_t variable : problem.variables )
+	{
+		const lw_variable_info info = lw_robot_variable( problem.robot.get(), variable );
+		const bool limited = std::isfinite( info.lower ) && std::isfinite( info.upper );
+		const double share = uniform( random );
+		state.push_back( info.wraps ? ( 2 * share - 1 ) * M_PI
+		                 : limited  ? info.lower + share * ( info.upper - info.lower )
+		                            : problem.reference[variable] );
+	}
+	return state;
+}
+
+leeway::io::Problem loadKitchen( const std::string& data, const lw_tree_def& tree, double detail, double budget )
 {
 	leeway::io::LoadOptions load;
 	load.tree = tree;
@@ -168,6 +178,11 @@ leeway::io::Problem loadKitchen( const std::string& data, const lw_tree_def& tre
 	leeway::io::ProblemOptions options;
 	options.group = GROUP;
 	options.scene = &scene;
+	if ( budget > 0 )
+	{
+		options.find_reach = leeway::io::ReachOptions();
+		options.find_reach->def.seconds = budget;
+	}
 	return leeway::io::buildProblem( robot, options );
 }
 

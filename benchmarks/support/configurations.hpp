@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <map>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -15,9 +16,18 @@ struct ConfigurationSet
 	std::vector<std::vector<double>> states; ///< of the checker's group
 };
 
+/// In [0, 1). std::uniform_real_distribution may differ between standard libraries; this does not.
+inline double uniform( std::mt19937_64& random )
+{
+	return static_cast<double>( random() >> 11 ) * 0x1p-53;
+}
+
+/// Uniform within the limits; within a whole turn for wrapping variables; other variables keep their reference value.
+std::vector<double> uniformState( const leeway::io::Problem& problem, std::mt19937_64& random );
+
 /// Robot, scene and group of the comparison, from the data folder. Group: platform, torso and both arms.
-/// @param detail metres, leeway::io::LoadOptions::detail
-leeway::io::Problem loadKitchen( const std::string& data, const lw_tree_def& tree, double detail = 0 );
+/// @param detail metres, leeway::io::LoadOptions::detail @param budget seconds for proofs of pairs; 0: no tables at all
+leeway::io::Problem loadKitchen( const std::string& data, const lw_tree_def& tree, double detail = 0, double budget = 0 );
 
 /// Files that the models and states come from.
 std::vector<std::string> kitchenFiles( const std::string& data );

@@ -204,6 +204,36 @@ void EdgeWorlds::addMbm(
 	}
 }
 
+std::vector<std::pair<std::string, std::string>> EdgeWorlds::mbmRobots() const
+{
+	std::vector<std::pair<std::string, std::string>> robots;
+	for ( const auto& item : std::filesystem::directory_iterator( std::filesystem::path( m_data ) / "mbm" ) )
+	{
+		const std::filesystem::path problems = item.path() / "problems";
+		if ( !std::filesystem::is_directory( problems ) || std::filesystem::is_empty( problems ) )
+		{
+			continue;
+		}
+		std::string group;
+		for ( const auto& file : std::filesystem::recursive_directory_iterator( problems ) )
+		{
+			if ( file.path().filename() == "request0001.yaml" )
+			{
+				group = io::loadRequest( file.path().string() ).group;
+				break;
+			}
+		}
+		if ( group.empty() )
+		{
+			throw std::runtime_error(
+			    problems.string() + ": no set has a request0001.yaml; unpack MotionBenchMaker's problems here" );
+		}
+		robots.emplace_back( item.path().filename().string(), group );
+	}
+	std::sort( robots.begin(), robots.end() );
+	return robots;
+}
+
 void EdgeWorlds::addRandom( std::uint64_t seed, std::size_t count )
 {
 	for ( std::size_t i = 0; i < count; ++i )

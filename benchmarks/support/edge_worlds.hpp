@@ -39,6 +39,9 @@ public:
 	/// Scenes of MotionBenchMaker: of each of the robot's problem sets with `only` in its name those of these numbers that are there.
 	void addMbm(
 	    const std::string& robot, const std::string& group, const std::vector<int>& numbers, const std::string& only = "" );
+	/// Robots of the folder mbm with problems, by name, and the group that their first request names.
+	/// @throws std::runtime_error for problems without a request
+	std::vector<std::pair<std::string, std::string>> mbmRobots() const;
 	void addRandom( std::uint64_t seed, std::size_t count );
 	/// From its source; a world that is there already is not made again. @return its index
 	/// @throws leeway::io::Error, std::runtime_error

@@ -141,11 +141,3 @@ void writeFile( const std::string& file, const std::string& text )
 		throw std::runtime_error( file + ": cannot be written" );
 	}
 }
-
-void writeResult( const std::string& file, const nlohmann::ordered_json& result )
-{
-	if ( !file.empty() )
-	{
-		writeFile( file, result.dump( 1, '\t' ) + "\n" );
-	}
-}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Provenance of figures: the header of every result file; and functions that write such files.
+// Provenance of figures: the header of every result file.
 #pragma once
 
 #include <cstdint>
@@ -29,6 +29,3 @@ nlohmann::ordered_json provenance();
 
 /// @throws std::runtime_error that names the file if not all of it can be written
 void writeFile( const std::string& file, const std::string& text );
-
-/// @param file may be empty: nothing is written. @throws as writeFile()
-void writeResult( const std::string& file, const nlohmann::ordered_json& result );

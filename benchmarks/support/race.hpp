@@ -10,6 +10,7 @@
 #include "support/configurations.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -31,11 +32,12 @@ struct Contender
 	std::function<Answer( const double* q )> ask;
 };
 
-/// Results of a contender on a set: per state its answer (of the first pass) and its time.
+/// Results of a contender on a set: per state its answer (of the first pass), its time, and the times of all passes.
 struct Run
 {
 	std::vector<Answer> answers;
-	std::vector<double> microseconds;
+	std::vector<double> microseconds;        ///< medians over the passes
+	std::vector<std::vector<double>> passes; ///< of each state
 };
 
 inline double median( std::vector<double> values )
@@ -52,6 +54,7 @@ inline double median( std::vector<double> values )
 struct Summary
 {
 	double median = 0, mean = 0, p95 = 0;
+	double lower = 0, upper = 0; ///< quartiles of the mean over the passes; 0: there was one pass
 };
 
 inline Summary summarise( std::vector<double> values )
@@ -71,9 +74,66 @@ inline Summary summarise( std::vector<double> values )
 	return summary;
 }
 
+/// Of sorted values, share in [0, 1], between the two next to it.
+inline double quantile( const std::vector<double>& sorted, double share )
+{
+	const double place = share * static_cast<double>( sorted.size() - 1 );
+	const auto below = static_cast<std::size_t>( place );
+	const std::size_t above = std::min( below + 1, sorted.size() - 1 );
+	return sorted[below] + ( place - static_cast<double>( below ) ) * ( sorted[above] - sorted[below] );
+}
+
+/// Times of some states of a run, with the spread of their mean.
+inline Summary summarise( const Run& run, const std::vector<std::size_t>& states )
+{
+	std::vector<double> times, means;
+	for ( const std::size_t i : states )
+	{
+		times.push_back( run.microseconds[i] );
+		means.resize( run.passes[i].size(), 0.0 );
+		for ( std::size_t pass = 0; pass < means.size(); ++pass )
+		{
+			means[pass] += run.passes[i][pass] / static_cast<double>( states.size() );
+		}
+	}
+	Summary summary = summarise( std::move( times ) );
+	if ( means.size() > 1 )
+	{
+		std::sort( means.begin(), means.end() );
+		summary.lower = quantile( means, 0.25 );
+		summary.upper = quantile( means, 0.75 );
+	}
+	return summary;
+}
+
+inline Summary summarise( const Run& run )
+{
+	std::vector<std::size_t> all( run.microseconds.size() );
+	std::iota( all.begin(), all.end(), std::size_t{ 0 } );
+	return summarise( run, all );
+}
+
+/// To five digits: no time here is better, and files stay small.
+inline double rounded( double value )
+{
+	if ( !( std::abs( value ) > 0 ) || !std::isfinite( value ) )
+	{
+		return value;
+	}
+	const double scale = std::pow( 10, 4 - std::floor( std::log10( std::abs( value ) ) ) );
+	return std::round( value * scale ) / scale;
+}
+
 inline nlohmann::ordered_json toJson( const Summary& summary )
 {
-	return nlohmann::ordered_json{ { "median_us", summary.median }, { "mean_us", summary.mean }, { "p95_us", summary.p95 } };
+	nlohmann::ordered_json json = { { "median_us", rounded( summary.median ) }, { "mean_us", rounded( summary.mean ) },
+	    { "p95_us", rounded( summary.p95 ) } };
+	if ( summary.upper > 0 )
+	{
+		json["lower_us"] = rounded( summary.lower );
+		json["upper_us"] = rounded( summary.upper );
+	}
+	return json;
 }
 
 /// Processor time of this thread: other programs on the machine do not lengthen a query.
@@ -145,6 +205,7 @@ inline std::vector<Run> race(
 		{
 			runs[c].microseconds.push_back( median( of_state ) );
 		}
+		runs[c].passes = std::move( times[c] );
 	}
 	return runs;
 }

@@ -2,7 +2,7 @@
 // Inverse kinematics: free states of a group in which links have the poses that a goal asks for.
 #include "leeway/ik/goal_states.hpp"
 
-#include "ik/judge.hpp"
+#include "ik/goal_test.hpp"
 #include "ik/solver.hpp"
 
 #include <fmt/format.h>
@@ -54,7 +54,7 @@ private:
 	const io::Request& m_request;
 	const Options& m_options;
 	GoalParts m_parts;
-	Judge m_judge;
+	GoalTest m_goal_test;
 	Chain m_chain;
 	BoundGoal m_goal;
 	std::optional<Solver> m_solver;
@@ -68,7 +68,7 @@ private:
 
 Search::Search( const io::RobotModel& robot, const io::Problem& problem, const io::Request& request, const Options& options )
     : m_problem( problem ), m_request( request ), m_options( options ), m_parts( goalParts( problem, request ) ),
-      m_judge( problem, request, m_parts ), m_chain( robot, problem ), m_random( options.seed ),
+      m_goal_test( problem, request, m_parts ), m_chain( robot, problem ), m_random( options.seed ),
       m_query( makeQuery( problem.checker.get() ) ), m_start( io::startState( problem ) )
 {
 	m_best.metres = HUGE_VAL;
@@ -206,13 +206,13 @@ void Search::wrapAngles( State& q ) const
 bool Search::keep( State& q )
 {
 	wrapAngles( q );
-	if ( !m_judge.reaches( q.data() ) )
+	if ( !m_goal_test.reaches( q.data() ) )
 	{
 		return false;
 	}
 	++m_result.reached;
 	bool free = false;
-	require( lw_checker_is_free( m_problem.checker.get(), m_query.get(), q.data(), m_options.flags, m_options.min_d, &free ),
+	require( lw_checker_is_free( m_problem.checker.get(), m_query.get(), q.data(), m_options.flags, m_options.min_d, &free, nullptr ),
 	    "check of a goal state" );
 	if ( !free )
 	{
@@ -363,18 +363,16 @@ void Search::explainCollision()
 	std::map<std::string, std::size_t> pairs;
 	for ( const State& q : m_blocked )
 	{
-		lw_state_result state;
-		require( lw_checker_state( checker, m_query.get(), q.data(), m_options.flags, nullptr, true, &state ),
+		bool free = false;
+		lw_state_reason reason;
+		require( lw_checker_is_free( checker, m_query.get(), q.data(), m_options.flags, m_options.min_d, &free, &reason ),
 		    "check of a goal state" );
-		const bool environment = ( m_options.flags & LW_CHECK_ENVIRONMENT ) != 0 && state.environment.a != LW_INVALID_INDEX &&
-		                         !( state.environment.lower > m_options.min_d );
-		const lw_clearance& blamed = environment ? state.environment : state.self;
-		if ( blamed.a != LW_INVALID_INDEX && blamed.b != LW_INVALID_INDEX )
+		if ( reason.pair.kind != LW_CLEARANCE_UNKNOWN )
 		{
 			const lw_robot* const robot = m_problem.robot.get();
-			++pairs[std::string( lw_robot_link_name( robot, blamed.a ) ) + " - " +
-			        ( environment ? lw_scene_object_name( m_problem.scene.get(), blamed.b )
-			                      : lw_robot_link_name( robot, blamed.b ) )];
+			++pairs[std::string( lw_robot_link_name( robot, reason.pair.a ) ) + " - " +
+			        ( reason.self ? lw_robot_link_name( robot, reason.pair.b )
+			                      : lw_scene_object_name( m_problem.scene.get(), reason.pair.b ) )];
 		}
 	}
 	std::vector<std::pair<std::string, std::size_t>> sorted( pairs.begin(), pairs.end() );
@@ -401,7 +399,7 @@ GoalStates findGoalStates(
 std::vector<std::string> goalViolations( const io::Problem& problem, const io::Request& request, const double* q )
 {
 	const GoalParts parts = goalParts( problem, request );
-	return Judge( problem, request, parts ).violations( q );
+	return GoalTest( problem, request, parts ).violations( q );
 }
 
 } // namespace leeway::ik

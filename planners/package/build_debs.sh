@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds libleeway0, libleeway-dev, leeway and python3-leeway as .deb files in FOLDER (build-deb), and checks them by lintian: errors end the run.
+# Builds libleeway0, libleeway-cxx0.1, libleeway-dev, leeway and python3-leeway as .deb files in FOLDER (build-deb), and checks them by lintian: errors end the run.
 # Needs .ci/install.sh core bridge packages python.
 #
 #   build_debs.sh [FOLDER]

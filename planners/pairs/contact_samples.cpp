@@ -2,7 +2,7 @@
 // Random states of a robot, and the distances of its pairs of links in them.
 //
 // Uniform random rotations: K. Shoemake, "Uniform random rotations", Graphics Gems III, 1992.
-#include "pairs/contact_samples.hpp"
+#include "leeway/pairs/contact_samples.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -15,7 +15,7 @@
 #include <system_error>
 #include <thread>
 
-namespace leeway::cli
+namespace leeway::pairs
 {
 namespace
 {
@@ -81,11 +81,14 @@ private:
 };
 
 /// Calls work( i ) for i < count on all cores; `make` makes a worker per thread. An exception of any is thrown again.
-template <typename Make> void onAllCores( std::uint64_t count, Progress* progress, const Make& make )
+/// @param progress of the stage; may be empty
+template <typename Make>
+void onAllCores( std::uint64_t count, const motions::ProgressFunction& progress, const char* stage, const Make& make )
 {
-	std::atomic<std::uint64_t> next{ 0 }, done{ 0 };
+	std::atomic<std::uint64_t> next{ 0 };
+	std::uint64_t done = 0; // with `mutex`
 	std::exception_ptr failure;
-	std::mutex failure_mutex;
+	std::mutex mutex;
 	const auto run = [&]
 	{
 		try
@@ -94,15 +97,16 @@ template <typename Make> void onAllCores( std::uint64_t count, Progress* progres
 			for ( std::uint64_t i = next++; i < count; i = next++ )
 			{
 				work( i );
-				if ( progress != nullptr )
+				if ( progress )
 				{
-					progress->step( ++done );
+					const std::lock_guard<std::mutex> lock( mutex );
+					progress( stage, double( ++done ) / double( count ) );
 				}
 			}
 		}
 		catch ( ... )
 		{
-			const std::lock_guard<std::mutex> lock( failure_mutex );
+			const std::lock_guard<std::mutex> lock( mutex );
 			failure = std::current_exception();
 			next = count;
 		}
@@ -143,21 +147,20 @@ ContactSamples::ContactSamples( const Robot& robot, PairTable& table, const Samp
 {
 	if ( m_states > 0 )
 	{
-		countContacts( table );
-		measureNear( table );
+		countContacts( table, options );
+		measureNear( table, options );
 	}
 	if ( options.never_after > 0 )
 	{
-		seekContacts( table, options.never_after );
+		seekContacts( table, options );
 	}
 }
 
-void ContactSamples::countContacts( PairTable& table )
+void ContactSamples::countContacts( PairTable& table, const SampleOptions& options )
 {
 	const RandomStates random( m_robot.get(), m_seed );
 	m_contacts.resize( m_states );
-	Progress progress( "contacts in random states", m_states );
-	onAllCores( m_states, &progress,
+	onAllCores( m_states, options.progress, "contacts in random states",
 	    [&]
 	    {
 		    return [&, links = LinkDistances( m_robot )]( std::uint64_t i ) mutable
@@ -192,7 +195,7 @@ void ContactSamples::countContacts( PairTable& table )
 }
 
 /// Pairs that came near are looked at state by state; a pair that is far in more than a few states is dropped.
-void ContactSamples::measureNear( const PairTable& table )
+void ContactSamples::measureNear( const PairTable& table, const SampleOptions& options )
 {
 	const std::uint32_t states = std::min( m_states, most_near_states );
 	const RandomStates random( m_robot.get(), m_seed );
@@ -207,8 +210,7 @@ void ContactSamples::measureNear( const PairTable& table )
 		}
 	}
 	std::vector<NearRange> ranges( candidates.size() );
-	Progress progress( "distances of links that come near", candidates.size() );
-	onAllCores( candidates.size(), &progress,
+	onAllCores( candidates.size(), options.progress, "distances of links that come near",
 	    [&]
 	    {
 		    return [&, links = LinkDistances( m_robot )]( std::uint64_t i ) mutable
@@ -239,8 +241,9 @@ void ContactSamples::measureNear( const PairTable& table )
 	    []( const NearRange& range ) { return range.states > 0; } );
 }
 
-void ContactSamples::seekContacts( PairTable& table, std::uint64_t count )
+void ContactSamples::seekContacts( PairTable& table, const SampleOptions& options )
 {
+	const std::uint64_t count = options.never_after;
 	const RandomStates random( m_robot.get(), m_seed );
 	std::vector<std::size_t> open;
 	for ( std::size_t i = 0; i < table.rows().size(); ++i )
@@ -251,13 +254,12 @@ void ContactSamples::seekContacts( PairTable& table, std::uint64_t count )
 			open.push_back( i );
 		}
 	}
-	Progress progress( "seeking contact of pairs that are not proved apart", count );
 	// The first states are those that countContacts() has looked at.
 	for ( std::uint64_t begin = m_states; begin < count && !open.empty(); begin += seek_piece )
 	{
 		std::vector<std::atomic<std::uint64_t>> found( open.size() );
 		std::fill( found.begin(), found.end(), no_state );
-		onAllCores( std::min( seek_piece, count - begin ), nullptr,
+		onAllCores( std::min( seek_piece, count - begin ), {}, "",
 		    [&]
 		    {
 			    return [&, links = LinkDistances( m_robot )]( std::uint64_t i ) mutable
@@ -287,7 +289,8 @@ void ContactSamples::seekContacts( PairTable& table, std::uint64_t count )
 			table.setContactState( open[k], random.state( found[k] ) );
 		}
 		open = left;
-		progress.step( begin + seek_piece );
+		motions::report( options.progress, "seeking contact of pairs that are not proved apart",
+		    std::min( 1.0, double( begin + seek_piece ) / double( count ) ) );
 	}
 	for ( const std::size_t row : open )
 	{
@@ -325,4 +328,4 @@ std::vector<ContactSamples::Blocking> ContactSamples::blocking( const std::funct
 	return result;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::pairs

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tree of links with the spheres of its nodes, and counts of pair classes.
-#include "pairs/hierarchy.hpp"
+#include "leeway/pairs/hierarchy.hpp"
+#include "pairs/report.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace leeway::cli
+namespace leeway::pairs
 {
 namespace
 {
@@ -79,8 +80,8 @@ Json sphereJson( const lw_sphere& sphere )
 		return nullptr;
 	}
 	return {
-	    { "center", { jsonNumber( sphere.center[0] ), jsonNumber( sphere.center[1] ), jsonNumber( sphere.center[2] ) } },
-	    { "radius", jsonNumber( sphere.radius ) } };
+	    { "center", { motions::jsonNumber( sphere.center[0] ), motions::jsonNumber( sphere.center[1] ), motions::jsonNumber( sphere.center[2] ) } },
+	    { "radius", motions::jsonNumber( sphere.radius ) } };
 }
 
 std::size_t pairsOf( const lw_reach* reach, lw_pair_class kind )
@@ -102,19 +103,17 @@ constexpr lw_pair_class classes[] = {
 
 } // namespace
 
-io::LoadedReach findHulls( const Workbench& bench )
+io::ReachOptions hullsOnly()
 {
-	if ( bench.reach().reach )
-	{
-		return bench.reach();
-	}
 	io::ReachOptions options;
 	options.def.hulls_only = true;
 	options.def.seconds = 0;
-	Progress progress( "motion hulls" );
-	ReachProgress report( progress );
-	report.attach( options.def );
-	return io::loadReach( bench.problem().robot, options );
+	return options;
+}
+
+io::LoadedReach findHulls( const io::Problem& problem, const io::ReachOptions& options )
+{
+	return problem.reach.reach ? problem.reach : io::loadReach( problem.robot, options );
 }
 
 std::string hierarchyText( const io::LoadedReach& hulls )
@@ -156,8 +155,8 @@ Json hierarchyJson( const io::LoadedReach& hulls )
 		const std::uint32_t joint = lw_robot_link_joint( robot, line.link );
 		Json entry = { { "link", lw_robot_link_name( robot, line.link ) }, { "depth", line.depth },
 		    { "r", sphereJson( node.r ) }, { "m", sphereJson( node.m ) }, { "mr", sphereJson( node.mr ) },
-		    { "hull_points", node.hull_point_count }, { "dilation", jsonNumber( node.dilation ) },
-		    { "excess", jsonNumber( node.excess ) } };
+		    { "hull_points", node.hull_point_count }, { "dilation", motions::jsonNumber( node.dilation ) },
+		    { "excess", motions::jsonNumber( node.excess ) } };
 		entry["joint"] = joint == LW_INVALID_INDEX ? Json( nullptr ) : Json( lw_robot_joint_name( robot, joint ) );
 		entry["joint_type"] =
 		    joint == LW_INVALID_INDEX ? Json( nullptr ) : Json( jointTypeName( lw_robot_joint_type( robot, joint ) ) );
@@ -201,4 +200,4 @@ Json pairClassJson( const io::LoadedReach& tables )
 	return json;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::pairs

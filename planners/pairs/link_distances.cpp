@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Distances of pairs of links: the least of their bodies' distances.
-#include "pairs/link_distances.hpp"
+#include "leeway/pairs/link_distances.hpp"
 
 #include <limits>
 #include <utility>
 
-namespace leeway::cli
+namespace leeway::pairs
 {
 
 LinkDistances::LinkDistances( Robot robot ) : m_robot( std::move( robot ) ), m_query( makeQuery( nullptr ) )
@@ -49,4 +49,4 @@ lw_clearance LinkDistances::measure( std::uint32_t link_a, std::uint32_t link_b,
 	return nearest;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::pairs

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Selects the pairs that the new SRDF disables, with reasons, and counts the states that it leaves free.
-#include "pairs/new_srdf.hpp"
+#include "leeway/pairs/new_srdf.hpp"
+#include "pairs/report.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +9,7 @@
 #include <cmath>
 #include <map>
 
-namespace leeway::cli
+namespace leeway::pairs
 {
 namespace
 {
@@ -301,4 +302,4 @@ void addUse( Json& json, const PairTable& table, const ContactSamples& samples, 
 	}
 }
 
-} // namespace leeway::cli
+} // namespace leeway::pairs

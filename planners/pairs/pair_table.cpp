@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Pairs of links: class, proof, evidence, and the SRDF's word on them.
-#include "pairs/pair_table.hpp"
+#include "leeway/pairs/pair_table.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>
 
-namespace leeway::cli
+namespace leeway::pairs
 {
 namespace
 {
@@ -255,4 +255,4 @@ void PairTable::setNeverSeen( std::size_t row, std::uint64_t states )
 	m_rows[row].opinion = judge( m_rows[row], m_has_srdf );
 }
 
-} // namespace leeway::cli
+} // namespace leeway::pairs

@@ -1,28 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Parts of robot and scene that a checker keeps: one line for each link and obstacle.
-#include "pairs/required.hpp"
+#include "leeway/pairs/required.hpp"
+#include "leeway/motions/states.hpp"
+#include "pairs/report.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <set>
 
-namespace leeway::cli
+namespace leeway::pairs
 {
 namespace
 {
 
 /// True if a variable of the group moves the link.
-bool groupMoves( const Workbench& bench, std::uint32_t link )
+bool groupMoves( const io::Problem& problem, std::uint32_t link )
 {
-	const lw_robot* robot = bench.robot();
+	const lw_robot* robot = problem.robot.get();
 	for ( std::uint32_t joint = lw_robot_link_joint( robot, link ); joint != LW_INVALID_INDEX;
 	      joint = lw_robot_link_joint( robot, link ) )
 	{
 		const std::uint32_t leader = lw_robot_joint_mimic( robot, joint );
 		const std::uint32_t variable = lw_robot_joint_variable( robot, leader == LW_INVALID_INDEX ? joint : leader );
-		if ( variable != LW_INVALID_INDEX && bench.inGroup( variable ) )
+		if ( variable != LW_INVALID_INDEX && std::find( problem.variables.begin(), problem.variables.end(), variable ) != problem.variables.end() )
 		{
 			return true;
 		}
@@ -39,9 +42,9 @@ void add( const lw_shape* shape, RequiredLine& line )
 	line.triangles += info.triangle_count;
 }
 
-std::vector<RequiredLine> linkLines( const Workbench& bench )
+std::vector<RequiredLine> linkLines( const io::Problem& problem )
 {
-	const lw_robot* robot = bench.robot();
+	const lw_robot* robot = problem.robot.get();
 	std::vector<RequiredLine> lines;
 	for ( std::uint32_t link = 0; link < lw_robot_link_count( robot ); ++link )
 	{
@@ -57,7 +60,7 @@ std::vector<RequiredLine> linkLines( const Workbench& bench )
 		}
 		if ( line.shapes > 0 )
 		{
-			const bool moves = groupMoves( bench, link );
+			const bool moves = groupMoves( problem, link );
 			line.why = moves ? "the group moves it" : "static";
 			lines.push_back( line );
 		}
@@ -65,16 +68,16 @@ std::vector<RequiredLine> linkLines( const Workbench& bench )
 	return lines;
 }
 
-std::vector<RequiredLine> obstacleLines( const Workbench& bench, const lw_checker_info& info )
+std::vector<RequiredLine> obstacleLines( const io::Problem& problem, const lw_checker_info& info )
 {
-	const lw_scene* scene = lw_checker_scene( bench.checker() );
+	const lw_scene* scene = lw_checker_scene( problem.checker.get() );
 	std::vector<RequiredLine> lines( scene != nullptr ? lw_scene_object_count( scene ) : 0 );
 	std::vector<double> distance( lines.size(), HUGE_VAL );
 	for ( std::uint32_t i = 0; scene != nullptr && i < lw_scene_shape_count( scene ); ++i )
 	{
 		const lw_scene_shape_def shape = lw_scene_shape( scene, i );
 		add( shape.shape, lines[shape.object] );
-		distance[shape.object] = std::fmin( distance[shape.object], lw_checker_obstacle_distance( bench.checker(), i ) );
+		distance[shape.object] = std::fmin( distance[shape.object], lw_checker_obstacle_distance( problem.checker.get(), i ) );
 	}
 	for ( std::uint32_t i = 0; i < lines.size(); ++i )
 	{
@@ -90,7 +93,7 @@ std::vector<RequiredLine> obstacleLines( const Workbench& bench, const lw_checke
 	return lines;
 }
 
-Modelled count( const Workbench& bench, const Input& input )
+Modelled count( const io::Problem& problem, const io::RobotModel& robot, const io::SceneModel* scene )
 {
 	Modelled modelled;
 	std::set<const lw_shape*> seen;
@@ -108,16 +111,16 @@ Modelled count( const Workbench& bench, const Input& input )
 			modelled.bytes += info.bytes;
 		}
 	};
-	for ( std::uint32_t i = 0; i < lw_robot_body_count( bench.robot() ); ++i )
+	for ( std::uint32_t i = 0; i < lw_robot_body_count( problem.robot.get() ); ++i )
 	{
-		take( lw_robot_body( bench.robot(), i ).shape );
+		take( lw_robot_body( problem.robot.get(), i ).shape );
 	}
-	const lw_scene* scene = lw_checker_scene( bench.checker() );
-	for ( std::uint32_t i = 0; scene != nullptr && i < lw_scene_shape_count( scene ); ++i )
+	const lw_scene* placed = lw_checker_scene( problem.checker.get() );
+	for ( std::uint32_t i = 0; placed != nullptr && i < lw_scene_shape_count( placed ); ++i )
 	{
-		take( lw_scene_shape( scene, i ).shape );
+		take( lw_scene_shape( placed, i ).shape );
 	}
-	for ( const io::LoadReport* report : { &input.robot.report, input.scene ? &input.scene->report : nullptr } )
+	for ( const io::LoadReport* report : { &robot.report, scene != nullptr ? &scene->report : nullptr } )
 	{
 		for ( std::size_t i = 0; report != nullptr && i < report->shapes.size(); ++i )
 		{
@@ -168,40 +171,42 @@ Json modelledJson( const Modelled& m )
 
 } // namespace
 
-Required findRequired( const Workbench& bench, const Input& input )
+Required findRequired( const io::Problem& problem, const io::RobotModel& robot, const io::SceneModel* scene )
 {
 	Required required;
-	required.checker = lw_checker_get_info( bench.checker() );
-	(void)measure( bench, io::startState( bench.problem() ), LW_CHECK_BOTH, nullptr, input.robot_file, "reference state" );
-	required.links = linkLines( bench );
-	required.obstacles = obstacleLines( bench, required.checker );
+	required.checker = lw_checker_get_info( problem.checker.get() );
+	const Query query = makeQuery( problem.checker.get() );
+	(void)motions::measure( problem.checker.get(), query.get(), io::startState( problem ), LW_CHECK_BOTH, nullptr, robot.urdf_file,
+	    "reference state" );
+	required.links = linkLines( problem );
+	required.obstacles = obstacleLines( problem, required.checker );
 	for ( const RequiredLine& obstacle : required.obstacles )
 	{
 		required.kept_obstacles += obstacle.kept ? 1 : 0;
 	}
-	required.first = count( bench, input );
+	required.first = count( problem, robot, scene );
 	const auto complete = []( const lw_shape* shape )
 	{
 		lw_diag diag{};
 		require( lw_shape_complete( shape, &diag ), diag );
 	};
-	for ( std::uint32_t i = 0; i < lw_robot_body_count( bench.robot() ); ++i )
+	for ( std::uint32_t i = 0; i < lw_robot_body_count( problem.robot.get() ); ++i )
 	{
-		complete( lw_robot_body( bench.robot(), i ).shape );
+		complete( lw_robot_body( problem.robot.get(), i ).shape );
 	}
-	const lw_scene* scene = lw_checker_scene( bench.checker() );
-	for ( std::uint32_t i = 0; scene != nullptr && i < lw_scene_shape_count( scene ); ++i )
+	const lw_scene* placed = lw_checker_scene( problem.checker.get() );
+	for ( std::uint32_t i = 0; placed != nullptr && i < lw_scene_shape_count( placed ); ++i )
 	{
-		complete( lw_scene_shape( scene, i ).shape );
+		complete( lw_scene_shape( placed, i ).shape );
 	}
-	required.all = count( bench, input );
+	required.all = count( problem, robot, scene );
 	return required;
 }
 
-std::string requiredText( const Workbench& bench, const Required& required )
+std::string requiredText( const io::Problem& problem, const Required& required )
 {
 	const double horizon = required.checker.horizon;
-	const Named fixed = nameEnvironment( bench.checker(), required.checker.static_environment );
+	const motions::Named fixed = motions::nameEnvironment( problem.checker.get(), required.checker.static_environment );
 	std::string text = "required of robot and scene, for states within the limits\n";
 	if ( std::isfinite( horizon ) )
 	{
@@ -230,4 +235,4 @@ Json requiredJson( const Required& required )
 	    { "everything", modelledJson( required.all ) } };
 }
 
-} // namespace leeway::cli
+} // namespace leeway::pairs

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Counts to time, the Pareto front, and the choice on it. Nothing here looks at a clock.
-#include "tune/tune.hpp"
+#include "leeway/tune/tune.hpp"
 
 #include <algorithm>
 #include <tuple>
 #include <utility>
 
-namespace leeway::cli
+namespace leeway::tune
 {
 namespace
 {
@@ -21,7 +21,7 @@ constexpr double even = 1.02, close = 1.05;
 
 // Is `a` as good as `b` in all of it, and better in something? (No two rows can be so to each other: work alone decides
 // strictly.)
-bool dominates( const TuneRow& a, const TuneRow& b )
+bool dominates( const Row& a, const Row& b )
 {
 	const bool as_good = a.work <= b.work * even && a.promised <= b.promised && a.proof >= b.proof && a.free >= b.free;
 	return as_good && ( a.work < b.work || a.promised < b.promised || a.proof > b.proof || a.free > b.free );
@@ -35,7 +35,7 @@ enum class Wish
 
 // A proposed setting proves, keeps most states free, and works for all users: the OMPL shim and `plan` prove motions with
 // the default alpha.
-bool isPossible( const TuneRow& row, const TuneSamples& samples )
+bool isPossible( const Row& row, const Samples& samples )
 {
 	const double all = double( row.motion ? samples.free_motions : samples.free_states );
 	const bool certified = row.motion && row.method == LW_EDGE_CERTIFIED;
@@ -45,21 +45,21 @@ bool isPossible( const TuneRow& row, const TuneSamples& samples )
 // The best row of those that pass and are possible; of those with nearly its work the one that gives up least. nullptr if
 // none passes.
 template <typename Passes>
-const TuneRow* best( const std::vector<TuneRow>& rows, const TuneSamples& samples, Wish wish, const Passes& passes )
+const Row* best( const std::vector<Row>& rows, const Samples& samples, Wish wish, const Passes& passes )
 {
-	const auto key = [wish]( const TuneRow& row )
+	const auto key = [wish]( const Row& row )
 	{ return std::make_pair( wish == Wish::FINE ? row.promised : 0, row.work ); };
-	const auto given = []( const TuneRow& row ) { return std::make_tuple( row.min_d, row.promised, row.work ); };
-	const TuneRow* first = nullptr;
-	for ( const TuneRow& row : rows )
+	const auto given = []( const Row& row ) { return std::make_tuple( row.min_d, row.promised, row.work ); };
+	const Row* first = nullptr;
+	for ( const Row& row : rows )
 	{
 		if ( isPossible( row, samples ) && passes( row ) && ( first == nullptr || key( row ) < key( *first ) ) )
 		{
 			first = &row;
 		}
 	}
-	const TuneRow* found = first;
-	for ( const TuneRow& row : rows )
+	const Row* found = first;
+	for ( const Row& row : rows )
 	{
 		if ( first != nullptr && isPossible( row, samples ) && passes( row ) && key( row ).first <= key( *first ).first &&
 		     row.work <= close * first->work && given( row ) < given( *found ) )
@@ -71,50 +71,50 @@ const TuneRow* best( const std::vector<TuneRow>& rows, const TuneSamples& sample
 }
 
 // The setting of a kind without a target, at one min_d: the cheapest within the usual error, else the most accurate.
-const TuneRow* usual( const std::vector<TuneRow>& rows, const TuneSamples& samples, bool motion, double min_d )
+const Row* usual( const std::vector<Row>& rows, const Samples& samples, bool motion, double min_d )
 {
-	const TuneRow& asked = rows.front(); // exact
+	const Row& asked = rows.front(); // exact
 	const double limit = min_d - asked.min_d + ( motion ? usual_conservatism : usual_error * asked.max_d );
-	const auto same = [=]( const TuneRow& row ) { return row.motion == motion && row.min_d == min_d; };
-	const TuneRow* found =
-	    best( rows, samples, Wish::CHEAP, [&]( const TuneRow& row ) { return same( row ) && row.promised <= limit; } );
+	const auto same = [=]( const Row& row ) { return row.motion == motion && row.min_d == min_d; };
+	const Row* found =
+	    best( rows, samples, Wish::CHEAP, [&]( const Row& row ) { return same( row ) && row.promised <= limit; } );
 	return found != nullptr ? found : best( rows, samples, Wish::FINE, same );
 }
 
 } // namespace
 
-void markFront( std::vector<TuneRow>& rows )
+void markFront( std::vector<Row>& rows )
 {
-	for ( TuneRow& row : rows )
+	for ( Row& row : rows )
 	{
 		row.front = std::none_of( rows.begin(), rows.end(),
-		    [&]( const TuneRow& other ) { return other.motion == row.motion && dominates( other, row ); } );
+		    [&]( const Row& other ) { return other.motion == row.motion && dominates( other, row ); } );
 	}
 }
 
-TuneProposal propose( const std::vector<TuneRow>& rows, const TuneSamples& samples, const TuneTarget& target, double rate )
+Proposal propose( const std::vector<Row>& rows, const Samples& samples, const Target& target, double rate )
 {
-	const bool motion = target.kind == TuneTarget::CONSERVATISM, by_time = target.kind == TuneTarget::TIME;
-	const auto meets = [&]( const TuneRow& row )
+	const bool motion = target.kind == Target::CONSERVATISM, by_time = target.kind == Target::TIME;
+	const auto meets = [&]( const Row& row )
 	{ return row.motion == motion && ( by_time ? row.work * rate : row.promised ) <= target.value; };
-	TuneProposal proposal;
-	const TuneRow* first = target.kind == TuneTarget::NONE
+	Proposal proposal;
+	const Row* first = target.kind == Target::NONE
 	                           ? usual( rows, samples, false, rows.front().min_d )
 	                           : best( rows, samples, by_time ? Wish::FINE : Wish::CHEAP, meets );
 	proposal.met = first != nullptr;
 	if ( first == nullptr ) // the nearest to the target
 	{
 		first = best(
-		    rows, samples, by_time ? Wish::CHEAP : Wish::FINE, [=]( const TuneRow& row ) { return row.motion == motion; } );
+		    rows, samples, by_time ? Wish::CHEAP : Wish::FINE, [=]( const Row& row ) { return row.motion == motion; } );
 		proposal.best = first == nullptr ? 0 : by_time ? first->work * rate : first->promised;
 	}
 	if ( first != nullptr )
 	{
-		const TuneRow* second = usual( rows, samples, !first->motion, first->min_d );
+		const Row* second = usual( rows, samples, !first->motion, first->min_d );
 		proposal.states = first->motion ? second : first;
 		proposal.motions = first->motion ? first : second;
 	}
 	return proposal;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::tune

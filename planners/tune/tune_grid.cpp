@@ -14,7 +14,7 @@
 // larger ones. Fixed steps of length h find every state with a clearance of at most min_d that they look at; in between
 // clearance falls by h / 2 at most, of two links by h (edges.md). With min_d = m + h (or h / 2) they are a proof too, with
 // that conservatism; with min_d = m none.
-#include "tune/tune.hpp"
+#include "leeway/tune/tune.hpp"
 
 #include <fmt/format.h>
 
@@ -23,7 +23,7 @@
 #include <ctime>
 #include <numeric>
 
-namespace leeway::cli
+namespace leeway::tune
 {
 namespace
 {
@@ -40,7 +40,7 @@ double threadMicroseconds()
 }
 
 // Sorted and unique, with the levels of the target: its value, and half of it for two settings that give up half each.
-std::vector<double> withTarget( std::vector<double> levels, const TuneTarget& target, bool counts )
+std::vector<double> withTarget( std::vector<double> levels, const Target& target, bool counts )
 {
 	if ( counts )
 	{
@@ -53,28 +53,28 @@ std::vector<double> withTarget( std::vector<double> levels, const TuneTarget& ta
 }
 
 // Errors of states.
-std::vector<double> errorLevels( const TuneTarget& target )
+std::vector<double> errorLevels( const Target& target )
 {
-	return withTarget( { 0, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2 }, target, target.kind == TuneTarget::ERROR );
+	return withTarget( { 0, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2 }, target, target.kind == Target::ERROR );
 }
 
 // Clearance given up by a min_d above the asked one, for states and motions alike.
-std::vector<double> marginLevels( const TuneTarget& target )
+std::vector<double> marginLevels( const Target& target )
 {
 	return withTarget(
-	    { 0, 0.001, 0.005, 0.02 }, target, target.kind == TuneTarget::ERROR || target.kind == TuneTarget::CONSERVATISM );
+	    { 0, 0.001, 0.005, 0.02 }, target, target.kind == Target::ERROR || target.kind == Target::CONSERVATISM );
 }
 
 // Clearance that motions give up beyond their min_d.
-std::vector<double> conservatismLevels( const TuneTarget& target )
+std::vector<double> conservatismLevels( const Target& target )
 {
 	return withTarget(
-	    { 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05 }, target, target.kind == TuneTarget::CONSERVATISM );
+	    { 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05 }, target, target.kind == Target::CONSERVATISM );
 }
 
-std::vector<TuneRow> stateGrid( const TuneSettings& settings )
+std::vector<Row> stateGrid( const Settings& settings )
 {
-	std::vector<TuneRow> rows;
+	std::vector<Row> rows;
 	for ( const double error : errorLevels( settings.target ) )
 	{
 		for ( const double margin : marginLevels( settings.target ) )
@@ -82,7 +82,7 @@ std::vector<TuneRow> stateGrid( const TuneSettings& settings )
 			for ( int choice = 0; choice < 4; ++choice )
 			{
 				const bool nearer = choice % 2 == 1, coarser = choice / 2 == 1;
-				TuneRow row;
+				Row row;
 				row.min_d = settings.min_d + margin;
 				row.max_d = settings.max_d - ( nearer ? error : 0 );
 				row.alpha = coarser ? error / row.max_d : 0;
@@ -100,14 +100,14 @@ std::vector<TuneRow> stateGrid( const TuneSettings& settings )
 	return rows;
 }
 
-std::vector<TuneRow> motionGrid( const TuneSettings& settings )
+std::vector<Row> motionGrid( const Settings& settings )
 {
-	std::vector<TuneRow> rows;
+	std::vector<Row> rows;
 	const double reach = ( settings.flags & LW_CHECK_SELF ) != 0 ? 1 : 2; // steps per clearance that may be lost between two
 	const double most = largestConservatism( settings.target );
 	for ( const double c : conservatismLevels( settings.target ) )
 	{
-		TuneRow row;
+		Row row;
 		row.motion = true;
 		for ( const double margin : marginLevels( settings.target ) )
 		{
@@ -123,7 +123,7 @@ std::vector<TuneRow> motionGrid( const TuneSettings& settings )
 				}
 			}
 		}
-		row = TuneRow();
+		row = Row();
 		row.motion = true;
 		row.method = LW_EDGE_STEPS;
 		row.max_d = reach * c;
@@ -144,28 +144,29 @@ std::vector<TuneRow> motionGrid( const TuneSettings& settings )
 class Meter
 {
 public:
-	Meter( const Workbench& bench, const TuneSettings& settings, const TuneSamples& samples )
-	    : m_bench( bench ), m_settings( settings ), m_samples( samples )
+	Meter( const io::Problem& problem, const Settings& settings, const Samples& samples )
+	    : m_problem( problem ), m_settings( settings ), m_samples( samples ),
+	      m_query( makeQuery( problem.checker.get() ) )
 	{
 	}
 
-	void measure( TuneRow& row )
+	void measure( Row& row )
 	{
 		// Each setting begins with the same memory, so that its counts do not depend on the one before
-		lw_query_reset( m_bench.query() );
-		lw_query_reset_stats( m_bench.query() );
+		lw_query_reset( m_query.get() );
+		lw_query_reset_stats( m_query.get() );
 		row.motion ? motions( row ) : states( row );
 		if ( row.worst > row.promised + rounding || ( row.proof && row.missed > 0 ) )
 		{
-			throw io::Error( "leeway tune", text( row ),
+			throw io::Error( "tune", text( row ),
 			    fmt::format( "{} m were promised, {} m were seen, and {} motions called free are not", row.promised,
 			        row.worst, row.missed ),
-			    "please report this with the command line" );
+			    "please report this with the command" );
 		}
 	}
 
 private:
-	static std::string text( const TuneRow& row )
+	static std::string text( const Row& row )
 	{
 		return fmt::format( "setting min_d {} max_d {} alpha {} slack {}{}", row.min_d, row.max_d, row.alpha, row.slack,
 		    row.method == LW_EDGE_STEPS ? " steps" : "" );
@@ -178,7 +179,7 @@ private:
 		return std::abs( asked( exact ) - asked( reported.lower ) );
 	}
 
-	void states( TuneRow& row )
+	void states( Row& row )
 	{
 		const lw_range range = { row.min_d, row.max_d, row.alpha };
 		const lw_check_flags flags = m_settings.flags;
@@ -188,7 +189,7 @@ private:
 			lw_state_result result;
 			const double start = threadMicroseconds();
 			const lw_status status = lw_checker_state(
-			    m_bench.checker(), m_bench.query(), m_samples.states[i].data(), flags, &range, false, &result );
+			    m_problem.checker.get(), m_query.get(), m_samples.states[i].data(), flags, &range, false, &result );
 			row.measured += ( threadMicroseconds() - start ) / double( count );
 			require( status, "a state" );
 			const double environment =
@@ -198,10 +199,10 @@ private:
 			row.mean += std::max( environment, self ) / double( count );
 			row.free += result.verdict == LW_VERDICT_FREE;
 		}
-		row.work = unitWork( lw_query_get_stats( m_bench.query() ), count, 0 ) / double( count );
+		row.work = unitWork( lw_query_get_stats( m_query.get() ), count, 0 ) / double( count );
 	}
 
-	void motions( TuneRow& row )
+	void motions( Row& row )
 	{
 		lw_edge_def def = lw_edge_def_default();
 		def.method = row.method;
@@ -212,12 +213,12 @@ private:
 		def.max_d = row.method == LW_EDGE_STEPS ? row.max_d : def.max_d;
 		const std::size_t count = m_samples.motions.size();
 		std::size_t states = 0, turned_down = 0;
-		for ( const TuneMotion& motion : m_samples.motions )
+		for ( const Motion& motion : m_samples.motions )
 		{
 			lw_edge_result edge;
 			const double start = threadMicroseconds();
 			const lw_status status =
-			    lw_checker_edge( m_bench.checker(), m_bench.query(), motion.from.data(), motion.to.data(), &def, &edge );
+			    lw_checker_edge( m_problem.checker.get(), m_query.get(), motion.from.data(), motion.to.data(), &def, &edge );
 			row.measured += ( threadMicroseconds() - start ) / double( count );
 			require( status, "a motion" );
 			states += edge.queries;
@@ -232,33 +233,35 @@ private:
 			}
 		}
 		row.mean /= double( std::max<std::size_t>( turned_down, 1 ) );
-		row.work = unitWork( lw_query_get_stats( m_bench.query() ), states, count ) / double( count );
+		row.work = unitWork( lw_query_get_stats( m_query.get() ), states, count ) / double( count );
 	}
 
-	const Workbench& m_bench;
-	const TuneSettings& m_settings;
-	const TuneSamples& m_samples;
+	const io::Problem& m_problem;
+	const Settings& m_settings;
+	const Samples& m_samples;
+	Query m_query;
 };
 
 } // namespace
 
-double largestConservatism( const TuneTarget& target )
+double largestConservatism( const Target& target )
 {
 	return conservatismLevels( target ).back();
 }
 
-double measuredRate( const Workbench& bench, const TuneSettings& settings, const TuneSamples& samples )
+double measuredRate( const io::Problem& problem, const Settings& settings, const Samples& samples )
 {
 	constexpr int passes = 7;
 	lw_edge_def def = lw_edge_def_default();
 	def.flags = settings.flags;
 	def.min_d = settings.min_d;
+	const Query query = makeQuery( problem.checker.get() );
 	std::vector<double> least( samples.states.size() + samples.motions.size(), HUGE_VAL );
 	double work = 0;
 	for ( int pass = 0; pass < passes; ++pass )
 	{
-		lw_query_reset( bench.query() );
-		lw_query_reset_stats( bench.query() );
+		lw_query_reset( query.get() );
+		lw_query_reset_stats( query.get() );
 		std::size_t looked = samples.states.size();
 		for ( std::size_t i = 0; i < least.size(); ++i )
 		{
@@ -269,31 +272,30 @@ double measuredRate( const Workbench& bench, const TuneSettings& settings, const
 			const lw_status status =
 			    i < samples.states.size()
 			        ? lw_checker_state(
-			              bench.checker(), bench.query(), samples.states[i].data(), settings.flags, nullptr, false, &state )
-			        : lw_checker_edge( bench.checker(), bench.query(), samples.motions[motion].from.data(),
+			              problem.checker.get(), query.get(), samples.states[i].data(), settings.flags, nullptr, false, &state )
+			        : lw_checker_edge( problem.checker.get(), query.get(), samples.motions[motion].from.data(),
 			              samples.motions[motion].to.data(), &def, &edge );
 			least[i] = std::min( least[i], threadMicroseconds() - start );
 			require( status, "the rate" );
 			looked += edge.queries;
 		}
-		work = unitWork( lw_query_get_stats( bench.query() ), looked, samples.motions.size() );
+		work = unitWork( lw_query_get_stats( query.get() ), looked, samples.motions.size() );
 	}
 	return std::accumulate( least.begin(), least.end(), 0.0 ) / work;
 }
 
-std::vector<TuneRow> measureGrid( const Workbench& bench, const TuneSettings& settings, const TuneSamples& samples )
+std::vector<Row> measureGrid( const io::Problem& problem, const Settings& settings, const Samples& samples )
 {
-	std::vector<TuneRow> rows = stateGrid( settings );
-	const std::vector<TuneRow> motions = motionGrid( settings );
+	std::vector<Row> rows = stateGrid( settings );
+	const std::vector<Row> motions = motionGrid( settings );
 	rows.insert( rows.end(), motions.begin(), motions.end() );
-	Meter meter( bench, settings, samples );
-	Progress progress( "measuring settings", rows.size() );
+	Meter meter( problem, settings, samples );
 	for ( std::size_t i = 0; i < rows.size(); ++i )
 	{
 		meter.measure( rows[i] );
-		progress.step( i + 1 );
+		motions::report( settings.progress, "measuring settings", double( i + 1 ) / double( rows.size() ) );
 	}
 	return rows;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::tune

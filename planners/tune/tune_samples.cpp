@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Samples of states and motions such as a planner checks, with their true clearances.
-#include "setup/audit.hpp"
-#include "tune/tune.hpp"
+#include "leeway/tune/tune.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-namespace leeway::cli
+namespace leeway::tune
 {
 namespace
 {
@@ -23,9 +22,9 @@ constexpr double truth_width = 5e-5;    // metres: an enclosure this narrow is g
 class Sampler
 {
 public:
-	Sampler( const Workbench& bench, const TuneSettings& settings, std::string robot_file )
-	    : m_bench( bench ), m_settings( settings ), m_robot_file( std::move( robot_file ) ), m_random( settings.seed ),
-	      m_reference( bench.groupState( bench.problem().reference ) )
+	Sampler( const io::Problem& problem, lw_query* query, const Settings& settings, std::string robot_file )
+	    : m_problem( problem ), m_query( query ), m_settings( settings ), m_robot_file( std::move( robot_file ) ), m_random( settings.seed ),
+	      m_reference( motions::groupState( problem, problem.reference ) )
 	{
 		double squared = 0;
 		for ( std::size_t i = 0; i < m_reference.size(); ++i )
@@ -37,14 +36,13 @@ public:
 		m_extent = std::sqrt( squared );
 	}
 
-	TuneSamples draw()
+	Samples draw()
 	{
-		TuneSamples samples;
-		Progress progress( "drawing states and motions", m_settings.motions );
+		Samples samples;
 		for ( std::size_t i = 0; i < m_settings.motions; ++i )
 		{
 			samples.motions.push_back( motion() );
-			progress.step( i + 1 );
+			motions::report( m_settings.progress, "drawing states and motions", double( i + 1 ) / double( m_settings.motions ) );
 		}
 		for ( std::size_t i = 0; i < m_settings.states; ++i )
 		{
@@ -57,12 +55,12 @@ public:
 private:
 	lw_variable_info info( std::size_t i ) const
 	{
-		return lw_robot_variable( m_bench.robot(), m_bench.problem().variables[i] );
+		return lw_robot_variable( m_problem.robot.get(), m_problem.variables[i] );
 	}
 
 	bool isRotation( std::size_t i ) const
 	{
-		return info( i ).component >= 3 && lw_robot_joint_type( m_bench.robot(), info( i ).joint ) == LW_JOINT_FLOATING;
+		return info( i ).component >= 3 && lw_robot_joint_type( m_problem.robot.get(), info( i ).joint ) == LW_JOINT_FLOATING;
 	}
 
 	std::pair<double, double> span( std::size_t i ) const
@@ -105,23 +103,23 @@ private:
 
 	std::vector<double> between( const std::vector<double>& a, const std::vector<double>& b, double t ) const
 	{
-		std::vector<double> from = m_bench.fullState( a );
-		const std::vector<double> to = m_bench.fullState( b );
+		std::vector<double> from = motions::fullState( m_problem, a );
+		const std::vector<double> to = motions::fullState( m_problem, b );
 		std::vector<double> out( from.size() );
-		lw_robot_interpolate( m_bench.robot(), from.data(), to.data(), t, out.data() );
-		return m_bench.groupState( out );
+		lw_robot_interpolate( m_problem.robot.get(), from.data(), to.data(), t, out.data() );
+		return motions::groupState( m_problem, out );
 	}
 
-	std::vector<double> placeOn( const std::vector<TuneMotion>& motions )
+	std::vector<double> placeOn( const std::vector<Motion>& motions )
 	{
-		const TuneMotion& on = motions[m_random() % motions.size()];
+		const Motion& on = motions[m_random() % motions.size()];
 		return between( on.from, on.to, uniform() );
 	}
 
 	bool isFree( const std::vector<double>& q )
 	{
 		bool free = false;
-		require( lw_checker_is_free( m_bench.checker(), m_bench.query(), q.data(), m_settings.flags, m_settings.min_d, &free ), "a state" );
+		require( lw_checker_is_free( m_problem.checker.get(), m_query, q.data(), m_settings.flags, m_settings.min_d, &free, nullptr ), "a state" );
 		return free;
 	}
 
@@ -141,23 +139,24 @@ private:
 				return q;
 			}
 		}
-		throw io::Error( m_robot_file, m_bench.problem().group.empty() ? "robot" : "group " + m_bench.problem().group,
+		throw io::Error( m_robot_file, m_problem.group.empty() ? "robot" : "group " + m_problem.group,
 		    fmt::format( "none of {} random states has more than {} m of clearance", attempts, m_settings.min_d ),
 		    "give a --request whose start state is free, or lower --min-d" );
 	}
 
-	TuneMotion motion()
+	Motion motion()
 	{
-		TuneMotion motion;
+		Motion motion;
 		motion.from = freeState();
 		motion.to = state();
-		const double length = jointDistance( m_bench, motion.from, motion.to ), most = uniform() * longest * m_extent;
+		const double length = motions::jointDistance( m_problem, motion.from, motion.to ), most = uniform() * longest * m_extent;
 		motion.to = length > most ? between( motion.from, motion.to, most / length ) : motion.to;
 		return motion;
 	}
 
-	const Workbench& m_bench;
-	const TuneSettings& m_settings;
+	const io::Problem& m_problem;
+	lw_query* m_query;
+	const Settings& m_settings;
 	const std::string m_robot_file;
 	std::mt19937_64 m_random;
 	std::vector<double> m_reference;
@@ -166,7 +165,7 @@ private:
 
 // Closes in on the least clearance of a motion: each check proves that it is above a margin, or finds a state that is
 // not. Every bound found is kept.
-void enclose( const Workbench& bench, const TuneSettings& settings, double most, TuneMotion& motion )
+void enclose( const io::Problem& problem, lw_query* query, const Settings& settings, double most, Motion& motion )
 {
 	lw_edge_def def = lw_edge_def_default();
 	def.flags = settings.flags;
@@ -178,7 +177,7 @@ void enclose( const Workbench& bench, const TuneSettings& settings, double most,
 	{
 		def.min_d = margin;
 		lw_edge_result edge;
-		require( lw_checker_edge( bench.checker(), bench.query(), motion.from.data(), motion.to.data(), &def, &edge ),
+		require( lw_checker_edge( problem.checker.get(), query, motion.from.data(), motion.to.data(), &def, &edge ),
 		    "a motion" );
 		if ( edge.verdict == LW_VERDICT_FREE )
 		{
@@ -202,27 +201,27 @@ void enclose( const Workbench& bench, const TuneSettings& settings, double most,
 
 } // namespace
 
-TuneSamples drawSamples( const Workbench& bench, const TuneSettings& settings, const std::string& robot_file )
+Samples drawSamples( const io::Problem& problem, const Settings& settings, const std::string& robot_file )
 {
-	TuneSamples samples = Sampler( bench, settings, robot_file ).draw();
+	const Query query = makeQuery( problem.checker.get() );
+	Samples samples = Sampler( problem, query.get(), settings, robot_file ).draw();
 	for ( const std::vector<double>& q : samples.states )
 	{
 		lw_state_result exact;
 		require(
-		    lw_checker_state( bench.checker(), bench.query(), q.data(), settings.flags, nullptr, false, &exact ), "a state" );
+		    lw_checker_state( problem.checker.get(), query.get(), q.data(), settings.flags, nullptr, false, &exact ), "a state" );
 		samples.environment.push_back( exact.environment.upper );
 		samples.self.push_back( exact.self.upper );
 		samples.free_states += std::min( exact.environment.upper, exact.self.upper ) > settings.min_d;
 	}
 	const double most = settings.min_d + largestConservatism( settings.target );
-	Progress progress( "measuring the motions", samples.motions.size() );
 	for ( std::size_t i = 0; i < samples.motions.size(); ++i )
 	{
-		enclose( bench, settings, most, samples.motions[i] );
+		enclose( problem, query.get(), settings, most, samples.motions[i] );
 		samples.free_motions += samples.motions[i].low > settings.min_d;
-		progress.step( i + 1 );
+		motions::report( settings.progress, "measuring the motions", double( i + 1 ) / double( samples.motions.size() ) );
 	}
 	return samples;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::tune

@@ -8,9 +8,9 @@
 // kitchen (reaches 02, 05 and 09), Fetch and Panda in scenes of MotionBenchMaker, with and without motion hulls. The
 // settings of one scene are off by 13 % (rms, on a busy machine), no scene by more than 8 % in the mean. Hierarchy tests and
 // centres moved into another frame got a weight of nothing: they come along with poses and node tests.
-#include "tune/tune.hpp"
+#include "leeway/tune/tune.hpp"
 
-namespace leeway::cli
+namespace leeway::tune
 {
 
 double unitWork( const lw_query_stats& s, std::size_t states, std::size_t motions )
@@ -20,4 +20,4 @@ double unitWork( const lw_query_stats& s, std::size_t states, std::size_t motion
 	       0.8 * double( states ) + 3.8 * double( motions );
 }
 
-} // namespace leeway::cli
+} // namespace leeway::tune

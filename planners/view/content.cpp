@@ -9,7 +9,7 @@
 #include <cmath>
 #include <set>
 
-namespace leeway::cli
+namespace leeway::view
 {
 namespace
 {
@@ -46,22 +46,23 @@ Json jointsJson( const std::vector<io::JointModel>& joints, const lw_robot* robo
 	return json;
 }
 
-Json variablesJson( const Workbench& bench )
+Json variablesJson( const io::Problem& problem )
 {
 	Json json = Json::array();
-	for ( std::uint32_t i = 0; i < bench.variableNames().size(); ++i )
+	for ( std::uint32_t i = 0; i < lw_robot_variable_count( problem.robot.get() ); ++i )
 	{
-		const lw_variable_info info = lw_robot_variable( bench.robot(), i );
-		const lw_joint_type type = lw_robot_joint_type( bench.robot(), info.joint );
+		const bool in_group = std::find( problem.variables.begin(), problem.variables.end(), i ) != problem.variables.end();
+		const lw_variable_info info = lw_robot_variable( problem.robot.get(), i );
+		const lw_joint_type type = lw_robot_joint_type( problem.robot.get(), info.joint );
 		const bool length = type == LW_JOINT_PRISMATIC || ( type == LW_JOINT_PLANAR && info.component < 2 ) ||
 		                    ( type == LW_JOINT_FLOATING && info.component < 3 );
 		const bool quaternion = type == LW_JOINT_FLOATING && info.component >= 3;
-		json.push_back( { { "name", bench.variableNames()[i] },
+		json.push_back( { { "name", io::variableName( problem.robot.get(), i ) },
 		    { "unit", length       ? "m"
 		              : quaternion ? ""
 		                           : "rad" },
 		    { "lower", jsonNumber( info.lower ) }, { "upper", jsonNumber( info.upper ) }, { "wraps", info.wraps },
-		    { "group", bench.inGroup( i ) } } );
+		    { "group", in_group } } );
 	}
 	return json;
 }
@@ -92,7 +93,7 @@ Json touchingJson( const PageInput& page, const ViewStep& step )
 	if ( r.environment.upper <= page.min_d || r.self.upper <= page.min_d )
 	{
 		lwv_pair pairs[LWV_MOST_PAIRS];
-		const std::uint32_t count = lwv_touching( page.bench.checker(), step.q.data(), page.flags, page.min_d, pairs );
+		const std::uint32_t count = lwv_touching( page.problem.checker.get(), step.q.data(), page.flags, page.min_d, pairs );
 		for ( std::uint32_t i = 0; i < count; ++i )
 		{
 			json.push_back( { pairs[i].self ? 1 : 0, pairs[i].a, pairs[i].b } );
@@ -142,7 +143,7 @@ Json closestPairs( const ViewMotion& motion )
 Json motionJson( const PageInput& page )
 {
 	static const char* const units[] = { "none", "seconds", "share", "state" };
-	const lw_checker* checker = page.bench.checker();
+	const lw_checker* checker = page.problem.checker.get();
 	Json steps = Json::array();
 	for ( const ViewStep& step : page.motion.steps )
 	{
@@ -170,17 +171,17 @@ Json motionJson( const PageInput& page )
 
 void addModel( const PageInput& page, const ShapeList& shapes, PageContent& content )
 {
-	const lw_robot* robot = page.bench.robot();
-	const lw_scene* scene = page.bench.problem().scene.get();
+	const lw_robot* robot = page.problem.robot.get();
+	const lw_scene* scene = page.problem.scene.get();
 	Json& json = content.json;
 	for ( std::uint32_t i = 0; i < lw_robot_link_count( robot ); ++i )
 	{
 		json["links"].push_back( lw_robot_link_name( robot, i ) );
 	}
-	json["joints"] = jointsJson( jointsOf( page.input, robot ), robot );
-	json["variables"] = variablesJson( page.bench );
-	json["reference"] = page.bench.problem().reference;
-	json["group"] = page.bench.problem().variables;
+	json["joints"] = jointsJson( jointsOf( page.robot, robot ), robot );
+	json["variables"] = variablesJson( page.problem );
+	json["reference"] = page.problem.reference;
+	json["group"] = page.problem.variables;
 	json["bodies"] = json["objects"] = json["placed"] = Json::array();
 	for ( std::uint32_t i = 0; i < lw_robot_body_count( robot ); ++i )
 	{
@@ -202,15 +203,15 @@ void addModel( const PageInput& page, const ShapeList& shapes, PageContent& cont
 
 } // namespace
 
-ShapeList::ShapeList( const Workbench& bench )
+ShapeList::ShapeList( const io::Problem& problem )
 {
-	const lw_robot* robot = bench.robot();
+	const lw_robot* robot = problem.robot.get();
 	for ( std::uint32_t i = 0; i < lw_robot_body_count( robot ); ++i )
 	{
 		const lw_body_def body = lw_robot_body( robot, i );
 		add( body.shape, std::string( "link " ) + lw_robot_link_name( robot, body.link ) );
 	}
-	const lw_scene* scene = bench.problem().scene.get();
+	const lw_scene* scene = problem.scene.get();
 	for ( std::uint32_t i = 0; scene != nullptr && i < lw_scene_shape_count( scene ); ++i )
 	{
 		const lw_scene_shape_def placed = lw_scene_shape( scene, i );
@@ -227,15 +228,15 @@ void ShapeList::add( const lw_shape* shape, const std::string& owner )
 	}
 }
 
-std::vector<io::JointModel> jointsOf( const Input& input, const lw_robot* robot )
+std::vector<io::JointModel> jointsOf( const io::RobotModel& model, const lw_robot* robot )
 {
 	std::vector<io::JointModel> joints;
 	for ( std::uint32_t i = 0; i < lw_robot_joint_count( robot ); ++i )
 	{
 		const std::string name = lw_robot_joint_name( robot, i );
-		const auto found = std::find_if( input.robot.joints.begin(), input.robot.joints.end(),
+		const auto found = std::find_if( model.joints.begin(), model.joints.end(),
 		    [&]( const io::JointModel& joint ) { return joint.name == name; } );
-		if ( found != input.robot.joints.end() )
+		if ( found != model.joints.end() )
 		{
 			joints.push_back( *found );
 			continue;
@@ -251,27 +252,27 @@ std::vector<io::JointModel> jointsOf( const Input& input, const lw_robot* robot 
 PageContent pageContent( const PageInput& page )
 {
 	PageContent content;
-	const ShapeList shapes( page.bench );
+	const ShapeList shapes( page.problem );
 	content.json = {
 	    { "program", fmt::format( "leeway {}.{}.{}", lw_version() / 10000, lw_version() / 100 % 100, lw_version() % 100 ) },
-	    { "robot", page.input.robot.name }, { "group_name", page.bench.problem().group },
-	    { "scene", page.input.scene ? page.input.scene->name : "" }, { "min_d", page.min_d },
+	    { "robot", page.robot.name }, { "group_name", page.problem.group },
+	    { "scene", page.scene != nullptr ? page.scene->name : "" }, { "min_d", page.min_d },
 	    { "what", static_cast<int>( page.flags ) },
-	    { "files", { { "robot", page.input.robot_file }, { "scene", page.input.scene_file }, { "motion", page.source } } } };
+	    { "files", { { "robot", page.robot_file }, { "scene", page.scene_file }, { "motion", page.source } } } };
 	addModel( page, shapes, content );
-	content.json["shapes"] = shapesJson( shapes, page.triangles, content );
+	content.json["shapes"] = shapesJson( shapes, page.triangles, page.progress, content );
 	addOverlays( page, content );
 	content.json["motion"] = motionJson( page );
 	if ( page.live )
 	{
 		addEngine( page, shapes, content );
 	}
-	for ( std::uint32_t i = 0; i < lw_robot_link_count( page.bench.robot() ); ++i )
+	for ( std::uint32_t i = 0; i < lw_robot_link_count( page.problem.robot.get() ); ++i )
 	{
 		bool has_body = false;
-		for ( std::uint32_t k = 0; k < lw_robot_body_count( page.bench.robot() ); ++k )
+		for ( std::uint32_t k = 0; k < lw_robot_body_count( page.problem.robot.get() ); ++k )
 		{
-			has_body = has_body || lw_robot_body( page.bench.robot(), k ).link == i;
+			has_body = has_body || lw_robot_body( page.problem.robot.get(), k ).link == i;
 		}
 		if ( !has_body )
 		{
@@ -283,4 +284,4 @@ PageContent pageContent( const PageInput& page )
 	return content;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::view

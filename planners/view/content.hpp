@@ -10,13 +10,14 @@
 #include <string>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::view
 {
 
 struct PageInput
 {
-	const Input& input;
-	const Workbench& bench;
+	const io::RobotModel& robot;
+	const io::SceneModel* scene; ///< may be null
+	const io::Problem& problem;
 	ViewMotion motion; ///< at least one step
 	lw_check_flags flags = LW_CHECK_BOTH;
 	double min_d = 0;
@@ -24,7 +25,9 @@ struct PageInput
 	bool live = true;                          ///< the page holds the engine's shapes too
 	std::vector<io::LinkSpheres> spheres = {}; ///< of `spherize`; empty: none
 	std::string source = {};                   ///< of the motion, a file name; empty: none
+	std::string robot_file = {}, scene_file = {}; ///< as the page names them
 	std::vector<std::string> notes = {};       ///< sentences that the page repeats
+	ProgressFunction progress = {};            ///< may be empty
 };
 
 struct PageContent
@@ -43,7 +46,7 @@ PageContent pageContent( const PageInput& page );
 class ShapeList
 {
 public:
-	explicit ShapeList( const Workbench& bench );
+	explicit ShapeList( const io::Problem& problem );
 	std::size_t indexOf( const lw_shape* shape ) const { return m_index.at( shape ); }
 	const std::vector<const lw_shape*>& shapes() const { return m_shapes; }
 	/// "link upper", "object table": the first user.
@@ -57,13 +60,13 @@ private:
 };
 
 /// A joint as the page and its engine need it: from the description, since the core keeps its own form.
-std::vector<io::JointModel> jointsOf( const Input& input, const lw_robot* robot );
+std::vector<io::JointModel> jointsOf( const io::RobotModel& model, const lw_robot* robot );
 
 /// Shapes for display; appends to content.bytes and content.omitted.
-Json shapesJson( const ShapeList& shapes, std::size_t budget, PageContent& content );
+Json shapesJson( const ShapeList& shapes, std::size_t budget, const ProgressFunction& progress, PageContent& content );
 /// Motion hulls, if the checker has a reach, and spheres of `spherize`.
 void addOverlays( const PageInput& page, PageContent& content );
 /// Numbers and blob of the engine.
 void addEngine( const PageInput& page, const ShapeList& shapes, PageContent& content );
 
-} // namespace leeway::cli
+} // namespace leeway::view

@@ -8,7 +8,7 @@
 #include <set>
 #include <unordered_map>
 
-namespace leeway::cli
+namespace leeway::view
 {
 namespace
 {
@@ -255,4 +255,4 @@ QuantisedMesh quantise( const DisplayMesh& mesh )
 	return out;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::view

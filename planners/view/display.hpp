@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::view
 {
 
 struct DisplayMesh
@@ -38,4 +38,4 @@ struct QuantisedMesh
 };
 QuantisedMesh quantise( const DisplayMesh& mesh );
 
-} // namespace leeway::cli
+} // namespace leeway::view

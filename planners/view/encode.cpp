@@ -3,7 +3,7 @@
 
 #include <zlib.h>
 
-namespace leeway::cli
+namespace leeway::view
 {
 
 std::size_t PageBytes::append( const void* data, std::size_t size )
@@ -68,4 +68,4 @@ std::string jsonForScript( const Json& json )
 	return out;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::view

@@ -2,15 +2,17 @@
 // Bytes and texts in the form that a page can hold.
 #pragma once
 
-#include "setup/json.hpp"
+#include "motions/json.hpp"
 
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::view
 {
+
+using motions::Json;
 
 /// Numbers of meshes and spheres, one after the other: the page reads them as typed arrays. Each block begins at a multiple of 4.
 class PageBytes
@@ -35,4 +37,4 @@ std::string base64( const std::string& bytes );
 /// JSON that may stand in a script element: no name in it can end the element or open a comment.
 std::string jsonForScript( const Json& json );
 
-} // namespace leeway::cli
+} // namespace leeway::view

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace leeway::cli
+namespace leeway::view
 {
 namespace
 {
@@ -39,9 +39,9 @@ private:
 
 void putRobot( const PageInput& page, const ShapeList& shapes, Numbers& out )
 {
-	const lw_robot* robot = page.bench.robot();
+	const lw_robot* robot = page.problem.robot.get();
 	const std::uint32_t links = lw_robot_link_count( robot ), bodies = lw_robot_body_count( robot );
-	const std::vector<io::JointModel> joints = jointsOf( page.input, robot );
+	const std::vector<io::JointModel> joints = jointsOf( page.robot, robot );
 	out.put( links, joints.size(), bodies );
 	const std::size_t pairs = out.later();
 	for ( std::uint32_t i = 0; i < joints.size(); ++i )
@@ -87,11 +87,10 @@ void putScene( const lw_scene* scene, const ShapeList& shapes, Numbers& out )
 	}
 }
 
-void putChecker( const Workbench& bench, Numbers& out )
+void putChecker( const io::Problem& problem, Numbers& out )
 {
-	const io::Problem& problem = bench.problem();
-	const lw_checker* checker = bench.checker();
-	const std::uint32_t links = lw_robot_link_count( bench.robot() );
+		const lw_checker* checker = problem.checker.get();
+	const std::uint32_t links = lw_robot_link_count( problem.robot.get() );
 	const std::uint32_t objects = problem.scene ? lw_scene_object_count( problem.scene.get() ) : 0;
 	out.put( problem.variables.size(), problem.allowed.size() );
 	const std::size_t environment_margins = out.later(), self_margins = out.later();
@@ -172,9 +171,9 @@ void addEngine( const PageInput& page, const ShapeList& shapes, PageContent& con
 	Numbers numbers;
 	numbers.put( engine_format, shapes.shapes().size() );
 	putRobot( page, shapes, numbers );
-	putScene( page.bench.problem().scene.get(), shapes, numbers );
-	putChecker( page.bench, numbers );
+	putScene( page.problem.scene.get(), shapes, numbers );
+	putChecker( page.problem, numbers );
 	content.numbers = std::move( numbers ).all();
 }
 
-} // namespace leeway::cli
+} // namespace leeway::view

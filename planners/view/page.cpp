@@ -3,7 +3,7 @@
 
 extern const char* const leeway_page; // written by page/build.mjs; empty where the tools for it were absent
 
-namespace leeway::cli
+namespace leeway::view
 {
 namespace
 {
@@ -39,21 +39,6 @@ void requireView( const std::string& option )
 	}
 }
 
-ViewFile::ViewFile( const std::string& path )
-{
-	if ( !path.empty() )
-	{
-		requireView( "--view" );
-		m_file.emplace( "--view", path );
-	}
-}
-
-void ViewFile::write( const PageInput& page, std::vector<OutputFile*>& files )
-{
-	m_file->text = pageHtml( page );
-	files.push_back( &*m_file );
-}
-
 std::string pageHtml( const PageInput& page )
 {
 	requireView( "view" );
@@ -67,4 +52,4 @@ std::string pageHtml( const PageInput& page )
 	       html.substr( at + std::string( mark ).size() );
 }
 
-} // namespace leeway::cli
+} // namespace leeway::view

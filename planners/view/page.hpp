@@ -2,14 +2,12 @@
 // The page of `leeway view`, and pictures of it.
 #pragma once
 
-#include "text/options.hpp"
 #include "view/content.hpp"
 
-#include <optional>
 #include <string>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::view
 {
 
 /// Why this build writes no pages; empty if it does.
@@ -22,22 +20,17 @@ void requireView( const std::string& option );
 /// @throws io::Error, CoreError
 std::string pageHtml( const PageInput& page );
 
-/// The page of a subcommand's result: --view.
-class ViewFile
+/// A picture of a page.
+struct PictureOptions
 {
-public:
-	/// @throws io::Error if this build writes no pages, or the file cannot be written
-	explicit ViewFile( const std::string& path );
-	bool isWanted() const { return m_file.has_value(); }
-	/// Writes the page into a file that is committed with the others.
-	void write( const PageInput& page, std::vector<OutputFile*>& files );
-
-private:
-	std::optional<OutputFile> m_file;
+	std::string file;   ///< PNG
+	std::string camera; ///< AZIMUTH,ELEVATION[,DISTANCE]: degrees, degrees, metres; empty: chosen by the page
+	std::string at;     ///< place of the motion, or "least"; empty: its start
+	unsigned width = 1280, height = 800;
 };
 
 /// Draws a page by a headless Chromium. @param html of pageHtml()
 /// @throws io::Error if no browser is found ($LEEWAY_BROWSER, chromium, google-chrome), or it draws nothing
 std::string pagePicture( const std::string& html, const PictureOptions& options );
 
-} // namespace leeway::cli
+} // namespace leeway::view

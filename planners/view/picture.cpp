@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
@@ -16,7 +17,7 @@
 #include <thread>
 #include <unistd.h>
 
-namespace leeway::cli
+namespace leeway::view
 {
 namespace
 {
@@ -110,10 +111,11 @@ bool runQuietly( const std::vector<std::string>& command )
 		execv( arguments[0], arguments.data() );
 		_exit( 127 );
 	}
-	const double start = now();
+	const auto start = std::chrono::steady_clock::now();
+	const auto seconds = [start] { return std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count(); };
 	int status = -1;
 	pid_t ended = 0;
-	while ( child > 0 && ( ended = waitpid( child, &status, WNOHANG ) ) == 0 && now() - start < most_seconds )
+	while ( child > 0 && ( ended = waitpid( child, &status, WNOHANG ) ) == 0 && seconds() < most_seconds )
 	{
 		std::this_thread::sleep_for( std::chrono::milliseconds( 50 ) );
 	}
@@ -144,7 +146,6 @@ std::string pagePicture( const std::string& html, const PictureOptions& options 
 	{
 		command.insert( command.begin() + 1, "--no-sandbox" ); // Chromium's own rule for root
 	}
-	const Progress progress( "drawing the picture" );
 	const bool drawn = runQuietly( command );
 	std::ifstream file( png, std::ios::binary );
 	std::string bytes( std::istreambuf_iterator<char>( file ), {} );
@@ -156,4 +157,4 @@ std::string pagePicture( const std::string& html, const PictureOptions& options 
 	return bytes;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::view

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace leeway::cli
+namespace leeway::view
 {
 namespace
 {
@@ -122,24 +122,23 @@ Json oneShape( const lw_shape* shape, const std::string& owner, std::size_t budg
 
 } // namespace
 
-Json shapesJson( const ShapeList& shapes, std::size_t budget, PageContent& content )
+Json shapesJson( const ShapeList& shapes, std::size_t budget, const ProgressFunction& progress, PageContent& content )
 {
 	Json json = Json::array();
-	Progress progress( "meshes of the page", shapes.shapes().size() );
 	for ( std::size_t i = 0; i < shapes.shapes().size(); ++i )
 	{
 		json.push_back( oneShape( shapes.shapes()[i], shapes.owner( i ), budget, content ) );
-		progress.step( i + 1 );
+		report( progress, "meshes of the page", double( i + 1 ) / double( shapes.shapes().size() ) );
 	}
 	return json;
 }
 
 void addOverlays( const PageInput& page, PageContent& content )
 {
-	const lw_robot* robot = page.bench.robot();
+	const lw_robot* robot = page.problem.robot.get();
 	Json hulls = Json::array();
 	double dilation = 0;
-	const lw_reach* reach = page.bench.reach().reach.get();
+	const lw_reach* reach = page.problem.reach.reach.get();
 	for ( std::uint32_t link = 0; reach != nullptr && link < lw_robot_link_count( lw_reach_robot( reach ) ); ++link )
 	{
 		const lw_reach_node node = lw_reach_get_node( reach, link );
@@ -176,4 +175,4 @@ void addOverlays( const PageInput& page, PageContent& content )
 	content.json["spheres"] = spheres;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::view

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view/steps.hpp"
 
-#include "setup/audit.hpp"
+#include "leeway/motions/audit.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 
-namespace leeway::cli
+namespace leeway::view
 {
 namespace
 {
@@ -20,26 +20,39 @@ constexpr std::size_t refined_minima = 8;  // the lowest local minima
 
 using StateAt = std::function<std::vector<double>( double )>;
 
-ViewStep measured(
-    const Workbench& bench, double at, const std::vector<double>& q, lw_check_flags flags, const std::string& file )
+/// Measures states of one motion.
+class Meter
 {
-	ViewStep step;
-	step.at = at;
-	step.q = q;
-	step.result = measure( bench, q, flags, nullptr, file, "a state of the motion" );
-	return step;
-}
+public:
+	Meter( const io::Problem& problem, lw_check_flags flags, const std::string& file )
+	    : m_checker( problem.checker.get() ), m_flags( flags ), m_file( file ), m_query( makeQuery( m_checker ) )
+	{
+	}
+	ViewStep measured( double at, const std::vector<double>& q ) const
+	{
+		ViewStep step;
+		step.at = at;
+		step.q = q;
+		step.result = measure( m_checker, m_query.get(), q, m_flags, nullptr, m_file, "a state of the motion" );
+		return step;
+	}
+
+private:
+	const lw_checker* m_checker;
+	lw_check_flags m_flags;
+	const std::string& m_file;
+	Query m_query;
+};
 
 /// Searches between the neighbours of a local minimum for a smaller clearance, by golden section; the best step found.
-ViewStep refined( const Workbench& bench, const StateAt& state_at, double low, double high, ViewStep best,
-    lw_check_flags flags, const std::string& file )
+ViewStep refined( const Meter& meter, const StateAt& state_at, double low, double high, ViewStep best )
 {
 	constexpr double golden = 0.381966011250105;
 	for ( int i = 0; i < refinements; ++i )
 	{
 		const bool right = high - best.at > best.at - low;
 		const double at = right ? best.at + golden * ( high - best.at ) : best.at - golden * ( best.at - low );
-		ViewStep step = measured( bench, at, state_at( at ), flags, file );
+		ViewStep step = meter.measured( at, state_at( at ) );
 		const bool better = leastClearance( step.result ) < leastClearance( best.result );
 		( better == right ? low : high ) = better ? best.at : at;
 		if ( better )
@@ -51,8 +64,7 @@ ViewStep refined( const Workbench& bench, const StateAt& state_at, double low, d
 }
 
 /// Adds the minima between steps.
-void refine( const Workbench& bench, const StateAt& state_at, lw_check_flags flags, const std::string& file,
-    std::vector<ViewStep>& steps )
+void refine( const Meter& meter, const StateAt& state_at, std::vector<ViewStep>& steps )
 {
 	std::vector<std::size_t> minima;
 	const auto clearance = [&]( std::size_t i ) { return leastClearance( steps[i].result ); };
@@ -72,7 +84,7 @@ void refine( const Workbench& bench, const StateAt& state_at, lw_check_flags fla
 	for ( const std::size_t i : minima )
 	{
 		const double low = steps[i == 0 ? 0 : i - 1].at, high = steps[std::min( i + 1, steps.size() - 1 )].at;
-		ViewStep best = refined( bench, state_at, low, high, steps[i], flags, file );
+		ViewStep best = refined( meter, state_at, low, high, steps[i] );
 		if ( best.at != steps[i].at )
 		{
 			found.push_back( std::move( best ) );
@@ -83,8 +95,8 @@ void refine( const Workbench& bench, const StateAt& state_at, lw_check_flags fla
 }
 
 /// Equal steps from 0 to `end`, and the corners.
-ViewMotion sampled( const Workbench& bench, const StateAt& state_at, double end, std::vector<double> corners, StepUnit unit,
-    lw_check_flags flags, const std::string& file )
+ViewMotion sampled( const Meter& meter, const StateAt& state_at, double end, const std::vector<double>& corners, StepUnit unit,
+    const ProgressFunction& progress )
 {
 	std::vector<double> places;
 	for ( std::size_t i = 0; i <= equal_steps; ++i )
@@ -99,13 +111,12 @@ ViewMotion sampled( const Workbench& bench, const StateAt& state_at, double end,
 	places.erase( std::unique( places.begin(), places.end() ), places.end() );
 	ViewMotion motion;
 	motion.unit = unit;
-	Progress progress( "measuring the motion for the page", places.size() );
 	for ( const double place : places )
 	{
-		motion.steps.push_back( measured( bench, place, state_at( place ), flags, file ) );
-		progress.step( motion.steps.size() );
+		motion.steps.push_back( meter.measured( place, state_at( place ) ) );
+		report( progress, "measuring the motion for the page", double( motion.steps.size() ) / double( places.size() ) );
 	}
-	refine( bench, state_at, flags, file, motion.steps );
+	refine( meter, state_at, motion.steps );
 	return motion;
 }
 
@@ -123,17 +134,18 @@ double leastClearance( const lw_state_result& result )
 }
 
 ViewMotion motionOfPath(
-    const Workbench& bench, const std::vector<std::vector<double>>& points, lw_check_flags flags, const std::string& file )
+    const io::Problem& problem, const std::vector<std::vector<double>>& points, lw_check_flags flags, const std::string& file,
+    const ProgressFunction& progress )
 {
 	std::vector<double> begin = { 0 };
 	for ( std::size_t i = 0; i + 1 < points.size(); ++i )
 	{
-		begin.push_back( begin.back() + jointDistance( bench, points[i], points[i + 1] ) );
+		begin.push_back( begin.back() + jointDistance( problem, points[i], points[i + 1] ) );
 	}
 	const double whole = begin.back();
 	if ( !( whole > 0 ) )
 	{
-		return motionOfStates( bench, { points.front() }, {}, flags, file );
+		return motionOfStates( problem, { points.front() }, {}, flags, file );
 	}
 	for ( double& place : begin )
 	{
@@ -144,16 +156,17 @@ ViewMotion motionOfPath(
 		const auto next = std::upper_bound( begin.begin() + 1, begin.end() - 1, place );
 		const std::size_t i = static_cast<std::size_t>( next - begin.begin() ) - 1;
 		const double span = begin[i + 1] - begin[i], t = span > 0 ? std::clamp( ( place - begin[i] ) / span, 0.0, 1.0 ) : 0;
-		std::vector<double> full( bench.variableNames().size() );
-		const std::vector<double> from = bench.fullState( points[i] ), to = bench.fullState( points[i + 1] );
-		lw_robot_interpolate( bench.robot(), from.data(), to.data(), t, full.data() );
-		return bench.groupState( full );
+		std::vector<double> full( problem.reference.size() );
+		const std::vector<double> from = fullState( problem, points[i] ), to = fullState( problem, points[i + 1] );
+		lw_robot_interpolate( problem.robot.get(), from.data(), to.data(), t, full.data() );
+		return groupState( problem, full );
 	};
-	return sampled( bench, state_at, 1, begin, StepUnit::share, flags, file );
+	return sampled( Meter( problem, flags, file ), state_at, 1, begin, StepUnit::share, progress );
 }
 
 ViewMotion motionOfTrajectory(
-    const Workbench& bench, const std::vector<Segment>& segments, lw_check_flags flags, const std::string& file )
+    const io::Problem& problem, const std::vector<Segment>& segments, lw_check_flags flags, const std::string& file,
+    const ProgressFunction& progress )
 {
 	std::vector<double> corners;
 	corners.reserve( segments.size() );
@@ -162,18 +175,19 @@ ViewMotion motionOfTrajectory(
 		corners.push_back( segment.begin );
 	}
 	const double end = segments.back().begin + segments.back().seconds;
-	return sampled(
-	    bench, [&]( double time ) { return stateAt( segments, time ); }, end, corners, StepUnit::seconds, flags, file );
+	return sampled( Meter( problem, flags, file ), [&]( double time ) { return stateAt( segments, time ); }, end, corners,
+	    StepUnit::seconds, progress );
 }
 
-ViewMotion motionOfStates( const Workbench& bench, const std::vector<std::vector<double>>& states,
+ViewMotion motionOfStates( const io::Problem& problem, const std::vector<std::vector<double>>& states,
     const std::vector<std::string>& labels, lw_check_flags flags, const std::string& file )
 {
+	const Meter meter( problem, flags, file );
 	ViewMotion motion;
 	motion.unit = states.size() > 1 ? StepUnit::state : StepUnit::none;
 	for ( std::size_t i = 0; i < states.size(); ++i )
 	{
-		motion.steps.push_back( measured( bench, static_cast<double>( i ), states[i], flags, file ) );
+		motion.steps.push_back( meter.measured( static_cast<double>( i ), states[i] ) );
 		motion.steps.back().label = i < labels.size() ? labels[i] : "";
 	}
 	return motion;
@@ -189,4 +203,4 @@ std::size_t leastStep( const ViewMotion& motion )
 	return best;
 }
 
-} // namespace leeway::cli
+} // namespace leeway::view

@@ -2,15 +2,16 @@
 // Measured states along a motion, as the page plays them.
 #pragma once
 
-#include "setup/setup.hpp"
-#include "setup/trajectory.hpp"
+#include "leeway/motions/trajectory.hpp"
 #include "view/engine/touching.h"
 
 #include <string>
 #include <vector>
 
-namespace leeway::cli
+namespace leeway::view
 {
+
+using namespace motions; // states, clearances and segments
 
 /// A state with its exact clearances.
 struct ViewStep
@@ -39,14 +40,16 @@ struct ViewMotion
 /// States of a path at equal distances and at its corners, and more around the least clearances.
 /// @param points group states, at least one @param file for errors @throws io::Error
 ViewMotion motionOfPath(
-    const Workbench& bench, const std::vector<std::vector<double>>& points, lw_check_flags flags, const std::string& file );
+    const io::Problem& problem, const std::vector<std::vector<double>>& points, lw_check_flags flags, const std::string& file,
+    const ProgressFunction& progress = {} );
 
 /// States of a trajectory at equal times and at the ends of its segments, and more around the least clearances.
 ViewMotion motionOfTrajectory(
-    const Workbench& bench, const std::vector<Segment>& segments, lw_check_flags flags, const std::string& file );
+    const io::Problem& problem, const std::vector<Segment>& segments, lw_check_flags flags, const std::string& file,
+    const ProgressFunction& progress = {} );
 
 /// States one by one. @param labels [states] or empty
-ViewMotion motionOfStates( const Workbench& bench, const std::vector<std::vector<double>>& states,
+ViewMotion motionOfStates( const io::Problem& problem, const std::vector<std::vector<double>>& states,
     const std::vector<std::string>& labels, lw_check_flags flags, const std::string& file );
 
 /// The step with the least of both clearances.
@@ -55,4 +58,4 @@ std::size_t leastStep( const ViewMotion& motion );
 /// The least known clearance of a state: that of Named::least().
 double leastClearance( const lw_state_result& result );
 
-} // namespace leeway::cli
+} // namespace leeway::view

@@ -143,7 +143,6 @@ TEST( AsBuilt, QueriesAllocateNothing )
 				    lw_checker_state( checker->get(), query.get(), b.data(), LW_CHECK_BOTH, &near, true, &state ),
 				    lw_checker_edge( checker->get(), query.get(), a.data(), b.data(), &edge_def, &edge ),
 				    empty ? LW_OK : lw_shape_distance( object, &here, body, &here, nullptr, query.get(), &pair ),
-				    empty ? LW_OK : lw_scene_distance( world.scene.get(), body, &here, nullptr, query.get(), &pair ),
 				};
 				lw_query_reset( query.get() );
 				(void)lw_query_get_stats( query.get() );

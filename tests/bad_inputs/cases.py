@@ -109,6 +109,9 @@ class Case:
     edits: dict = field(default_factory=dict)
     status: tuple = (2,)
     words: tuple = ()
+    expect: str = ""  # of hostile.py, instead of `status`
+    clean: dict | None = None  # edits that give the good answer, which `expect` compares with
+    place: tuple | None = None  # a file's name, and a function that puts something else in its place
 
 
 def urdf(name, old, new, *words, status=(2,), command=INFO):

@@ -1,150 +1,150 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Verdicts on two results: change against noise, rows that belong together, results that do not.
-#include "report/compare.hpp"
+// Two files of results side by side: change against noise, rows that belong together, verdicts that changed.
+#include "support/compare.hpp"
 
 #include <gtest/gtest.h>
 
 namespace
 {
 
-Report reportOf( const std::vector<std::vector<Cell>>& rows, int better = -1 )
+Json timed( const char* robot, double mean, double lower = 0, double upper = 0 )
 {
-	Outcome outcome;
-	outcome.name = "paper";
-	outcome.tables.push_back(
-	    { "times", "", "", { { "what", "" }, { "max_d", "mm" }, { "time", "us", better }, { "count", "" } }, rows } );
-	return { { { "processor", "x" }, { "quick", false } }, { outcome } };
+	Json row = { { "robot", robot }, { "mean_us", mean }, { "median_us", 2 * mean } };
+	if ( upper > 0 )
+	{
+		row["lower_us"] = lower;
+		row["upper_us"] = upper;
+	}
+	return row;
 }
 
-std::vector<Cell> row( const std::string& what, double max_d, const Cell& time )
+Json fileOf( const std::vector<Json>& rows )
 {
-	return { what, max_d, time, 7.0 };
+	return { { "provenance", { { "processor", "x" } } }, { "options", { { "--seed", "1" } } }, { "rows", rows } };
 }
 
-Change changeOf( const Measure& before, const Measure& after, double threshold = 3, int better = -1 )
+Change changeOf( const Json& before, const Json& after, double threshold = 3 )
 {
-	const Comparison c = compare(
-	    reportOf( { row( "self", 10, before ) }, better ), reportOf( { row( "self", 10, after ) }, better ), threshold );
+	CompareOptions options;
+	options.threshold = threshold;
+	const Comparison c = compare( fileOf( { before } ), fileOf( { after } ), options );
 	EXPECT_EQ( c.differences.size(), 1u );
 	return c.differences.at( 0 ).change;
+}
+
+Json judged( const char* edges, const char* verdicts )
+{
+	return { { "robot", "arm" }, { "judge", "certified" }, { "edges_hash", edges }, { "verdicts", verdicts } };
 }
 
 } // namespace
 
 TEST( Compare, NoiseIsTakenForChange )
 {
-	EXPECT_EQ( changeOf( { 10, 9, 11, 9 }, { 10.9, 10, 12, 9 } ), Change::NOISE );          // quartiles overlap
-	EXPECT_EQ( changeOf( { 10, 9.9, 10.05, 9 }, { 10.2, 10.1, 10.3, 9 } ), Change::NOISE ); // below the threshold
-	EXPECT_EQ( changeOf( { 10, 9.9, 10.05, 9 }, { 10.2, 10.1, 10.3, 9 }, 1 ), Change::WORSE );
+	EXPECT_EQ( changeOf( timed( "a", 10, 9, 11 ), timed( "a", 10.9, 10, 12 ) ), Change::NOISE ); // quartiles overlap
+	const Json one = timed( "a", 10, 9.9, 10.05 ), other = timed( "a", 10.2, 10.1, 10.3 );
+	EXPECT_EQ( changeOf( one, other ), Change::NOISE ); // below the threshold
+	EXPECT_EQ( changeOf( one, other, 1 ), Change::WORSE );
+	EXPECT_EQ( changeOf( timed( "a", 10 ), timed( "a", 20 ) ), Change::UNKNOWN ); // measured once
 }
 
 TEST( Compare, ChangeIsTakenForNoise )
 {
-	EXPECT_EQ( changeOf( { 10, 9, 11, 9 }, { 13, 12, 14, 9 } ), Change::WORSE );
-	EXPECT_EQ( changeOf( { 13, 12, 14, 9 }, { 10, 9, 11, 9 } ), Change::BETTER );
-	const double inf = std::numeric_limits<double>::infinity();
-	EXPECT_EQ( changeOf( { 13, 12, 14, 9 }, { inf, inf, inf, 9 } ), Change::WORSE );
-	EXPECT_EQ( changeOf( { 0, 0, 0, 9 }, { 1, 1, 1, 9 } ), Change::WORSE );
-	EXPECT_EQ( changeOf( { inf, inf, inf, 9 }, { inf, inf, inf, 9 } ), Change::NOISE );
-}
-
-TEST( Compare, MoreIsAlwaysWorse )
-{
-	EXPECT_EQ( changeOf( { 10, 9, 11, 9 }, { 13, 12, 14, 9 }, 3, 1 ), Change::BETTER );
-	EXPECT_EQ( changeOf( { 13, 12, 14, 9 }, { 10, 9, 11, 9 }, 3, 1 ), Change::WORSE );
-}
-
-TEST( Compare, FigureWithoutSpreadIsCalledWorse )
-{
-	const Comparison c = compare( reportOf( { row( "self", 10, 5.0 ) } ), reportOf( { row( "self", 10, 6.0 ) } ), 3 );
-	ASSERT_EQ( c.differences.size(), 1u );
-	EXPECT_EQ( c.differences[0].change, Change::OTHER );
-	EXPECT_NEAR( c.differences[0].percent, 20, 1e-9 );
-}
-
-TEST( Compare, RowsAreMatchedByTheirPlace )
-{
-	const Measure five = { 5, 4.9, 5.1, 9 }, nine = { 9, 8.9, 9.1, 9 };
-	const Comparison c = compare( reportOf( { row( "self", 10, five ), row( "self", 20, nine ), row( "gone", 20, nine ) } ),
-	    reportOf( { row( "new", 1, nine ), row( "self", 20, nine ), row( "self", 10, five ) } ), 3 );
-	ASSERT_EQ( c.differences.size(), 2u );
-	EXPECT_EQ( c.count( Change::NOISE ), 2u );
-	EXPECT_EQ( c.differences[0].row, "self, 10" );
-	ASSERT_EQ( c.notes.size(), 1u );
-	EXPECT_NE( c.notes[0].find( "1 rows" ), std::string::npos );
-}
-
-TEST( Compare, OtherMachineOrOtherWorkGoesUnsaid )
-{
-	Report before = reportOf( { row( "self", 10, 5.0 ) } ), after = before;
-	before.outcomes[0].details = { { "data_hash", "1" } };
-	after.outcomes[0].details = { { "data_hash", "2" } };
-	after.provenance["processor"] = "y";
-	after.provenance["quick"] = true;
-	EXPECT_EQ( compare( before, after, 3 ).notes.size(), 3u );
-	after = before;
-	after.outcomes[0].tables[0].columns[2].unit = "ms";
-	const Comparison c = compare( before, after, 3 );
-	EXPECT_TRUE( c.differences.empty() ); // microseconds against milliseconds
-	EXPECT_EQ( c.notes.size(), 1u );
-	after.outcomes[0].name = "other";
-	EXPECT_EQ( compare( before, after, 3 ).notes.size(), 1u );
-}
-
-TEST( Compare, ClaimThatNoLongerHoldsGoesUnsaid )
-{
-	Report before = reportOf( {} ), after = before;
-	before.outcomes[0].claims = { { "paper", "tables help", "", Verdict::HOLDS, "" } };
-	after.outcomes[0].claims = { { "paper", "tables help", "", Verdict::DIFFERS, "" } };
-	const Comparison c = compare( before, after, 3 );
-	ASSERT_EQ( c.notes.size(), 1u );
-	EXPECT_NE( c.notes[0].find( "from holds to differs" ), std::string::npos );
-}
-
-TEST( Compare, TextLeavesOutALoss )
-{
-	const Measure before = { 10, 9, 11, 9 }, after = { 13, 12, 14, 9 };
-	const Comparison c = compare( reportOf( { row( "self", 10, before ), row( "self", 20, before ) } ),
-	    reportOf( { row( "self", 10, after ), row( "self", 20, before ) } ), 3 );
-	const std::string text = comparisonText( c, false );
-	EXPECT_NE( text.find( "worse" ), std::string::npos );
-	EXPECT_NE( text.find( "self, 10: time" ), std::string::npos );
-	EXPECT_EQ( text.find( "self, 20: time" ), std::string::npos );
-	EXPECT_NE( comparisonText( c, true ).find( "self, 20: time" ), std::string::npos );
-	EXPECT_NE( text.find( "0 better, 1 worse" ), std::string::npos );
+	EXPECT_EQ( changeOf( timed( "a", 10, 9, 11 ), timed( "a", 13, 12, 14 ) ), Change::WORSE );
+	EXPECT_EQ( changeOf( timed( "a", 13, 12, 14 ), timed( "a", 10, 9, 11 ) ), Change::BETTER );
 }
 
 TEST( Compare, BusyMachineIsTakenForASlowerProgram )
 {
-	std::vector<std::vector<Cell>> before, after;
+	std::vector<Json> before, after;
 	for ( int i = 0; i < 30; ++i )
 	{
-		before.push_back( row( "self", i, Measure{ 10, 9.9, 10.1, 9 } ) );
-		const double slower = i == 7 ? 1.5 : 1.1; // one of them is slower by itself
-		after.push_back( row( "self", i, Measure{ 10 * slower, 9.9 * slower, 10.1 * slower, 9 } ) );
+		const std::string name = "row " + std::to_string( i );
+		before.push_back( timed( name.c_str(), 10 + i, 9.99 + i, 10.01 + i ) );
+		const double slower = ( i == 7 ? 1.5 : 1.2 ) * ( 1 + 0.001 * ( i % 3 ) );
+		after.push_back( timed( name.c_str(), slower * ( 10 + i ), slower * ( 9.99 + i ), slower * ( 10.01 + i ) ) );
 	}
-	const Comparison c = compare( reportOf( before ), reportOf( after ), 3 );
-	EXPECT_NEAR( c.drift, 1.1, 1e-9 );
+	Comparison c = compare( fileOf( before ), fileOf( after ), {} );
+	EXPECT_NEAR( c.drift, 1.2, 0.01 );
 	EXPECT_EQ( c.count( Change::WORSE ), 1u );
-	EXPECT_EQ( c.differences[7].change, Change::WORSE );
-	EXPECT_DOUBLE_EQ( c.differences[7].after, 15 ); // as it was measured
-	EXPECT_NE( comparisonText( c, false ).find( "+10.0 %" ), std::string::npos );
-	EXPECT_EQ( compare( reportOf( before ), reportOf( after ), 3, true ).count( Change::WORSE ), 30u );
+	EXPECT_TRUE( c.isWorse() );
+	CompareOptions absolute;
+	absolute.absolute = true;
+	c = compare( fileOf( before ), fileOf( after ), absolute );
+	EXPECT_EQ( c.count( Change::WORSE ), 30u );
 }
 
-TEST( Compare, AnswersOfPeersThatDifferAreNotTold )
+TEST( Compare, RatioIsNotTheGeometricMeanOfItsRobot )
 {
-	const auto run = []( double mean, const char* hash )
-	{
-		const nlohmann::ordered_json row = { { "workload", "B arm self exact, free" }, { "library", "leeway" },
-		    { "mean_us", mean }, { "median_us", mean }, { "p95_us", mean }, { "answers_hash", hash }, { "count", 100 } };
-		return reportFromJson( { { "rows", { row } }, { "provenance", { { "simd", "AVX2" } } } } );
-	};
-	EXPECT_TRUE( compare( run( 10, "a1" ), run( 10, "a1" ), 3 ).notes.empty() );
-	const Comparison c = compare( run( 10, "a1" ), run( 12, "b2" ), 3 );
-	ASSERT_EQ( c.notes.size(), 1u );
-	EXPECT_EQ( c.notes[0], "other answers in B arm self exact, free, leeway: a1, then b2" );
-	ASSERT_EQ( c.differences.size(), 1u );
-	EXPECT_EQ( c.differences[0].change, Change::WORSE );
-	EXPECT_NEAR( c.differences[0].percent, 20, 1e-9 );
+	Json a = timed( "arm", 10 ), b = timed( "arm", 10 ), c = timed( "other", 10 );
+	a["set"] = "near";
+	b["set"] = "any";
+	const Json before = fileOf( { a, b, c } );
+	a["mean_us"] = 20;
+	b["mean_us"] = 80;
+	const Comparison comparison = compare( before, fileOf( { c, b, a } ), {} ); // rows are matched by name
+	const auto ratios = ratiosOf( comparison );
+	EXPECT_NEAR( ratios.at( { "", "arm" } ).mean, 4, 1e-12 );
+	EXPECT_NEAR( ratios.at( { "", "other" } ).mean, 1, 1e-12 );
+	EXPECT_NEAR( ratios.at( { "", "" } ).mean, std::cbrt( 16 ), 1e-12 );
+	EXPECT_NEAR( ratios.at( { "", "arm" } ).most, 8, 1e-12 );
+	CompareOptions by;
+	by.by = "median_us";
+	EXPECT_NEAR( ratiosOf( compare( before, fileOf( { a, b, c } ), by ) ).at( { "", "" } ).mean, 1, 1e-12 );
+}
+
+TEST( Compare, TimesOfTwoContendersAreMixed )
+{
+	const Json part = { { "mean_us", 10 } }, slower = { { "mean_us", 30 } };
+	const Json before = { { "robot", "arm" }, { "certified", part }, { "fcl", part } };
+	const Json after = { { "robot", "arm" }, { "certified", part }, { "fcl", slower } };
+	const auto ratios = ratiosOf( compare( fileOf( { before } ), fileOf( { after } ), {} ) );
+	EXPECT_NEAR( ratios.at( { "certified", "" } ).mean, 1, 1e-12 );
+	EXPECT_NEAR( ratios.at( { "fcl", "" } ).mean, 3, 1e-12 );
+}
+
+TEST( Compare, ChangedVerdictGoesUnsaid )
+{
+	Comparison c = compare( fileOf( { judged( "1", "FFBU" ) } ), fileOf( { judged( "1", "FUBF" ) } ), {} );
+	EXPECT_EQ( c.verdicts, 4u );
+	ASSERT_EQ( c.answers.size(), 2u );
+	EXPECT_EQ( c.answers[0].what, "edge 1" );
+	EXPECT_EQ( c.answers[0].before, "FREE" );
+	EXPECT_EQ( c.answers[0].after, "UNDECIDED" );
+	EXPECT_FALSE( c.isWorse() );
+	c = compare( fileOf( { judged( "1", "FFBU" ) } ), fileOf( { judged( "1", "FBBU" ) } ), {} );
+	EXPECT_TRUE( c.isWorse() ); // free and blocked
+	EXPECT_NE( comparisonText( c, false ).find( "1 of 4 changed, 1 contradict" ), std::string::npos );
+	c = compare( fileOf( { judged( "1", "FFBU" ) } ), fileOf( { judged( "1", "FFBU" ) } ), {} );
+	EXPECT_TRUE( c.answers.empty() );
+	EXPECT_EQ( c.verdicts, 4u );
+}
+
+TEST( Compare, VerdictsOfOtherEdgesAreCompared )
+{
+	const Comparison c = compare( fileOf( { judged( "1", "FF" ) } ), fileOf( { judged( "2", "BB" ) } ), {} );
+	EXPECT_EQ( c.verdicts, 0u );
+	EXPECT_TRUE( c.answers.empty() );
+	EXPECT_EQ( c.notes.size(), 1u );
+}
+
+TEST( Compare, OtherMachineOtherWorkOrAnswerGoesUnsaid )
+{
+	Json before = fileOf( { timed( "a", 1 ), timed( "b", 1 ) } ), after = fileOf( { timed( "a", 1 ), timed( "c", 1 ) } );
+	after["provenance"]["processor"] = "y";
+	after["options"]["--seed"] = "2";
+	const Comparison c = compare( before, after, {} );
+	ASSERT_EQ( c.notes.size(), 3u );
+	EXPECT_NE( c.notes[0].find( "processor" ), std::string::npos );
+	EXPECT_NE( c.notes[1].find( "--seed" ), std::string::npos );
+	EXPECT_NE( c.notes[2].find( "1 rows are in the first file only, 1 in the second" ), std::string::npos );
+	before["rows"][0]["answers_hash"] = "1";
+	after["rows"][0]["answers_hash"] = "2";
+	ASSERT_EQ( compare( before, after, {} ).answers.size(), 1u );
+}
+
+TEST( Compare, FileOfAnotherKindIsReadAsOne )
+{
+	EXPECT_THROW( compare( Json::array(), fileOf( {} ), {} ), std::runtime_error );
+	EXPECT_THROW( compare( fileOf( {} ), { { "rows", 1 } }, {} ), std::runtime_error );
 }

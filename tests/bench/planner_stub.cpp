@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A module of bench_planning that goes from start to goal in one straight edge.
+// A module of leeway-bench planning that goes from start to goal in one straight edge.
 #include "planning/planner_module.hpp"
 
 namespace

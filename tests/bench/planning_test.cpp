@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// bench_planning: ratios by problem, rows of planners and ranges, paths of modules, the page.
+// leeway-bench planning: ratios by problem, rows of planners and ranges, paths of modules, the page.
 #include "planning/generated_problems.hpp"
 #include "planning/page.hpp"
 #include "planning/prefix_grid.hpp"
 #include "planning/tally.hpp"
 #include "planning/ways.hpp"
-#include "report/report.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <cmath>
@@ -197,10 +196,6 @@ TEST( PlanningZoo, WayAroundAWallIsTakenForNone )
 
 TEST( PlanningPage, PageNeedsAnotherFile )
 {
-	if ( !hasGnuplot() )
-	{
-		GTEST_SKIP() << "no gnuplot";
-	}
 	const std::string file =
 	    std::filesystem::temp_directory_path() / ( "leeway-planning-" + std::to_string( ::getpid() ) + ".html" );
 	const SetResult result = {
@@ -208,11 +203,13 @@ TEST( PlanningPage, PageNeedsAnotherFile )
 	WayKind first, absent;
 	first.name = "first & only";
 	absent.name = "absent";
-	writePlanningPage( file, { first, absent }, { result }, { result }, { { "seed", 1 } } );
+	writePlanningPage( file, { first, absent }, { result }, { result }, "a <machine>" );
 	std::ifstream in( file );
 	const std::string text( ( std::istreambuf_iterator<char>( in ) ), std::istreambuf_iterator<char>() );
 	std::filesystem::remove( file );
 	EXPECT_NE( text.find( "<svg" ), std::string::npos );
+	EXPECT_NE( text.find( "<polyline" ), std::string::npos );
+	EXPECT_NE( text.find( "a &lt;machine&gt;" ), std::string::npos );
 	EXPECT_NE( text.find( "all of &lt;robot&gt;" ), std::string::npos );
 	EXPECT_NE( text.find( "first &amp; only" ), std::string::npos );
 	EXPECT_EQ( text.find( "<td>absent" ), std::string::npos );

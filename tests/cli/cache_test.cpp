@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // --cache: the same answers, faster; files that are damaged, stale or cannot be written.
 #include "pairs_fixture.hpp"
+#include "seeded_rng.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -176,6 +177,57 @@ TEST_F( Cache, DamagedFilesAreToldAndReplaced )
 		EXPECT_TRUE( contains( check().err, "built anew" ) ) << ending << " empty";
 		EXPECT_FALSE( contains( check().err, "notice" ) ) << ending << " replaced";
 	}
+}
+
+/// Bits, cuts, bytes moved, entries of each other: the answers of states and motions stay, and the entry is built anew.
+TEST_F( Cache, ADamagedEntryChangesAnAnswer )
+{
+	const std::vector<std::string> motions = { "--group", "arm", "--edges", "edges.csv", "--cache", "cache" };
+	const std::string plain = withoutTime( check( { "--no-cache" } ) ), proved = verdicts( runModel( "edge", motions ) );
+	ASSERT_EQ( withoutTime( check() ), plain );
+	const fs::path files[2] = { only( ".tree" ), only( ".reach" ) };
+	const std::string good[2] = { readFile( files[0].string() ), readFile( files[1].string() ) };
+	SeededRng rng;
+	int rebuilt = 0;
+	for ( int i = 0; i < 60; ++i )
+	{
+		for ( int k = 0; k < 2; ++k )
+		{
+			std::string bytes = good[k];
+			const auto place = [&] { return static_cast<std::size_t>( rng.integer( 0, static_cast<int>( bytes.size() ) - 1 ) ); };
+			const std::size_t at = place(), other = place();
+			switch ( i % 6 )
+			{
+			case 0:
+				bytes.resize( at );
+				break;
+			case 1:
+				std::swap( bytes[at], bytes[other] );
+				break;
+			case 2:
+				bytes.replace( at, 8, std::string( 8, '\xff' ) );
+				break;
+			case 3:
+				bytes = good[1 - k];
+				break;
+			default:
+				for ( int flips = rng.integer( 1, 4 ); flips > 0; --flips )
+				{
+					const std::size_t byte = place();
+					bytes[byte] = static_cast<char>( bytes[byte] ^ ( 1 << rng.integer( 0, 7 ) ) );
+				}
+			}
+			std::ofstream( files[k], std::ios::binary ) << bytes;
+			rebuilt += bytes != good[k] ? 1 : 0;
+		}
+		const Outcome outcome = i % 10 == 9 ? runModel( "edge", motions ) : check();
+		EXPECT_EQ( i % 10 == 9 ? verdicts( outcome ) : withoutTime( outcome ), i % 10 == 9 ? proved : plain ) << outcome.err;
+		for ( const fs::path& file : files )
+		{
+			rebuilt -= contains( outcome.err, file.filename().string() + ": cache: not used" ) ? 1 : 0;
+		}
+	}
+	EXPECT_EQ( rebuilt, 0 ) << "damaged entries that were used";
 }
 
 TEST_F( Cache, EntriesThatAreNoRegularFilesAreReplacedAndNotWaitedFor )

@@ -135,7 +135,7 @@ TEST_F( ReadingCli, AZeroByteDoesNotCutTheMessage )
 {
 	write( "states.csv", std::string( "shoulder,elbow\n0,0.\0005\n", 22 ) );
 	expectError(
-	    runModel( "check", { "--group", "arm", "--states", "states.csv" } ), { "states.csv", "line 2", "0.\\x005", ";" } );
+	    runModel( "check", { "--group", "arm", "--states", "states.csv" } ), { "states.csv", "line 2", "byte 0", ";" } );
 }
 
 TEST_F( ReadingCli, LinksThatAreAlikeShareANotice )

@@ -68,12 +68,22 @@ TEST_F( CliWords, ATableThatIsAHeaderOnlyIsTold )
 	EXPECT_TRUE( contains( outcome.err, "states.csv: has a header and no rows" ) ) << outcome.err;
 }
 
-TEST_F( CliWords, ANulInACellDoesNotEndTheMessage )
+TEST_F( CliWords, ANulInACellEndsTheCell )
 {
 	write( "states.csv", std::string( "shoulder,elbow\n0,1" ) + '\0' + "2\n" );
 	const Outcome outcome = runModel( "check", check );
 	EXPECT_EQ( outcome.status, 2 );
-	EXPECT_TRUE( contains( outcome.err, "'1\\x002' is not a finite number; give" ) ) << outcome.err;
+	EXPECT_TRUE( contains( outcome.err, "states.csv: line 2: has a byte 0: this is no text; give" ) ) << outcome.err;
+}
+
+/// A column may be named by anybody: a notice is one line, without a sequence that commands the terminal.
+TEST_F( CliWords, ANoticeCommandsTheTerminal )
+{
+	write( "states.csv", "shoulder,elbow,\"x\x1b[2Jy\x07\rleeway: all is well\"\n0,0,0\n" );
+	const Outcome outcome = runModel( "check", { "--states", "states.csv", "--no-cache" } );
+	EXPECT_EQ( outcome.status, 0 ) << outcome.err;
+	EXPECT_TRUE( contains( outcome.err, "x\\x1b[2Jy\\x07 leeway: all is well" ) ) << outcome.err;
+	EXPECT_EQ( outcome.err.find_first_of( "\x1b\x07\r" ), std::string::npos );
 }
 
 TEST_F( CliWords, TablesAreReadFromStandardInput )

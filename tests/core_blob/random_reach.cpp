@@ -256,8 +256,6 @@ lw_reach* randomReach( const lw_robot* robot, std::uint64_t seed )
 	}
 	addEfforts( reach, &state );
 	addGrids( reach, &state );
-	lwi_reach_build_tables( reach );
-	reach->bytes = lwi_reach_count_bytes( reach );
 	return reach;
 }
 
@@ -265,10 +263,10 @@ const char* reachDifference( const lw_reach* a, const lw_reach* b )
 {
 	std::size_t n = a->link_count, v = a->variable_count;
 	if ( a->robot != b->robot || n != b->link_count || v != b->variable_count || a->point_count != b->point_count ||
-		 a->evidence_count != b->evidence_count || a->bytes != b->bytes || a->seed != b->seed || a->seconds != b->seconds ||
+		 a->evidence_count != b->evidence_count || a->seed != b->seed || a->seconds != b->seconds ||
 		 a->sample_count != b->sample_count )
 	{
-		return "robot, counts or bytes";
+		return "robot or counts";
 	}
 	for ( std::size_t i = 0; i < n; ++i )
 	{
@@ -297,8 +295,5 @@ const char* reachDifference( const lw_reach* a, const lw_reach* b )
 		: !sameDoubles( a->upper, b->upper, v )                    ? "upper"
 		: !sameDoubles( a->points, b->points, 3 * a->point_count ) ? "points"
 		: !sameDoubles( a->evidence, b->evidence, a->evidence_count * v ) ? "evidence"
-		: !sameDoubles( a->rigid, b->rigid, n * n )                ? "rigid"
-		: !sameDoubles( a->motion, b->motion, n * n )              ? "motion"
-		: !sameDoubles( a->scfree, b->scfree, n )                  ? "scfree"
 																	: nullptr;
 }

@@ -131,7 +131,6 @@ void expectUsable( const lw_reach* reach )
 		{
 			finite = finite && std::isfinite( points[i] );
 		}
-		EXPECT_GE( lw_reach_scfree( reach, a ), 0.0 );
 		for ( std::uint32_t b = 0; b < links; ++b )
 		{
 			lw_reach_pair pair = lw_reach_get_pair( reach, a, b );
@@ -139,9 +138,6 @@ void expectUsable( const lw_reach* reach )
 			EXPECT_GE( pair.closest, 0.0 );
 			EXPECT_STRNE( lw_pair_class_name( pair.kind ), "unknown class" );
 			EXPECT_STRNE( lw_pair_proof_name( pair.proof ), "unknown proof" );
-			EXPECT_GE( lw_reach_rigid( reach, a, b ), 0.0 );
-			EXPECT_GE( lw_reach_motion( reach, a, b ), 0.0 );
-			EXPECT_GE( lw_reach_base( reach, a, b ), 0.0 );
 			if ( lw_reach_closest_state( reach, a, b, q.data() ) )
 			{
 				for ( double x : q )
@@ -318,8 +314,6 @@ TEST( ReachBlob, EveryAllocationMayFail )
 		{
 			ReachPtr loaded = readReach( blob, robot.get(), &status, &diag, &memory.allocator );
 			EXPECT_TRUE( status == LW_OK || status == LW_ERROR_OUT_OF_MEMORY ) << diag.message;
-			EXPECT_TRUE( status != LW_OK || memory.live == lw_reach_bytes( loaded.get() ) )
-				<< "bytes do not count what is held";
 		}
 		EXPECT_EQ( memory.live, 0u );
 	}

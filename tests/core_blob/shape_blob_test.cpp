@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Shapes in blobs: the same shape comes back, or none.
 #include "blob_support.hpp"
+#include "shape/shape.h"
 
 #include <cfloat>
 #include <limits>
@@ -205,7 +206,7 @@ TEST( ShapeBlob, TheSameComesBack )
 	{
 		SCOPED_TRACE( "shape " + std::to_string( i ) );
 		EXPECT_TRUE( lw_digest_equal( lw_shape_digest( shapes[i].get() ), lw_shape_digest( loaded[i].get() ) ) );
-		EXPECT_EQ( lw_shape_validate( loaded[i].get(), &diag ), LW_OK ) << diag.message;
+		EXPECT_EQ( lwi_shape_validate( loaded[i].get(), &diag ), LW_OK ) << diag.message;
 		expectSameInfo( shapes[i].get(), loaded[i].get() );
 		expectSameAnswers( rng, shapes[i].get(), loaded[i].get(), probe.get() );
 	}
@@ -487,7 +488,7 @@ struct MeshBlob
 void expectUsable( SeededRng& rng, const lw_shape* shape, lw_query* query, const lw_shape* probe )
 {
 	lw_diag diag = {};
-	EXPECT_EQ( lw_shape_validate( shape, &diag ), LW_OK ) << diag.message;
+	EXPECT_EQ( lwi_shape_validate( shape, &diag ), LW_OK ) << diag.message;
 	lw_transform origin = lw_transform_identity(), pose = randomPose( rng, 2.0 );
 	lw_clearance out = lw_clearance_unknown();
 	EXPECT_EQ( lw_shape_distance( shape, &origin, probe, &pose, nullptr, query, &out ), LW_OK );

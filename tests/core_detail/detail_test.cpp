@@ -3,6 +3,7 @@
 #include "bodies.hpp"
 
 #include "leeway/leeway.h"
+#include "shape/shape.h"
 
 #include <gtest/gtest.h>
 
@@ -71,7 +72,7 @@ void hunt( SeededRng& rng, const lw_shape* shape, const lw_shape* coarse, double
 			ASSERT_LE( p[k], info.box_max[k] );
 		}
 	}
-	EXPECT_EQ( lw_shape_validate( coarse, nullptr ), LW_OK );
+	EXPECT_EQ( lwi_shape_validate( coarse, nullptr ), LW_OK );
 }
 
 /// A grid of n x n squares over one metre; heights by f( x, y ).

@@ -3,6 +3,7 @@
 #include "changing_world.hpp"
 
 #include "leeway/blob.h"
+#include "robot/robot.h"
 
 #include <gtest/gtest.h>
 
@@ -41,7 +42,7 @@ TEST( Attach, RobotDiffersFromOneOfALongerDef )
 			ASSERT_EQ( lw_robot_fk( a, world.reference.data(), x.data() ), LW_OK );
 			ASSERT_EQ( lw_robot_fk( b, world.reference.data(), y.data() ), LW_OK );
 			EXPECT_EQ( std::memcmp( x.data(), y.data(), x.size() * sizeof( lw_transform ) ), 0 );
-			EXPECT_EQ( lw_robot_bare( a ), world.bare.get() );
+			EXPECT_EQ( lwi_robot_bare( a ), world.bare.get() );
 			++compared;
 			several += world.attached.size() > 1;
 		}

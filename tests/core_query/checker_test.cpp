@@ -277,6 +277,48 @@ void expect_distance( const lw_clearance& got, double want )
 	EXPECT_NE( got.b, LW_INVALID_INDEX );
 }
 
+/// Distance of two links, or of a link and an object, at these poses.
+double distanceOf( const World& world, const std::vector<lw_transform>& poses, bool self, uint32_t link, uint32_t other, lw_query* query )
+{
+	double best = inf;
+	for ( uint32_t i = 0; i < lw_robot_body_count( world.robot ); ++i )
+	{
+		const lw_body_def a = lw_robot_body( world.robot, i );
+		const lw_transform pose_a = lw_transform_multiply( &poses[a.link], &a.link_from_shape );
+		const uint32_t count = self ? lw_robot_body_count( world.robot ) : lw_scene_shape_count( world.scene );
+		for ( uint32_t k = 0; k < count && a.link == link; ++k )
+		{
+			const lw_body_def b = lw_robot_body( world.robot, self ? k : i );
+			const lw_scene_shape_def obstacle = self ? lw_scene_shape_def() : lw_scene_shape( world.scene, k );
+			const lw_transform pose_b =
+				self ? lw_transform_multiply( &poses[b.link], &b.link_from_shape ) : obstacle.world_from_shape;
+			lw_clearance out;
+			if ( ( self ? b.link : obstacle.object ) == other )
+			{
+				EXPECT_EQ( LW_OK, lw_shape_distance( a.shape, &pose_a, self ? b.shape : obstacle.shape, &pose_b, nullptr, query, &out ) );
+				best = std::min( best, out.upper );
+			}
+		}
+	}
+	return best;
+}
+
+/// The reason of a state that is not free names a pair that is too near.
+void expectReason( const World& world, lw_query* query, const std::vector<double>& q, double min_d,
+	const std::vector<lw_transform>& poses, lw_query* plain )
+{
+	bool free = false;
+	lw_state_reason reason;
+	ASSERT_EQ( LW_OK, lw_checker_is_free( world.checker, query, q.data(), LW_CHECK_BOTH, min_d, &free, &reason ) );
+	EXPECT_EQ( free ? LW_VERDICT_FREE : LW_VERDICT_BLOCKED, reason.verdict );
+	EXPECT_EQ( free, reason.pair.kind == LW_CLEARANCE_UNKNOWN );
+	if ( !free )
+	{
+		EXPECT_LE( reason.pair.upper, min_d );
+		EXPECT_LE( distanceOf( world, poses, reason.self, reason.pair.a, reason.pair.b, plain ), min_d + 1e-9 );
+	}
+}
+
 } // namespace
 
 TEST( Checker, DiffersFromAllPairs )
@@ -312,48 +354,15 @@ TEST( Checker, DiffersFromAllPairs )
 			for ( const double asked : { 0.0, min_d, 0.3 } )
 			{
 				bool both = false, one = false;
-				ASSERT_EQ( LW_OK, lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_BOTH, asked, &both ) );
+				ASSERT_EQ( LW_OK, lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_BOTH, asked, &both, nullptr ) );
 				EXPECT_EQ( both, std::min( environment, self ) > asked ) << asked;
-				ASSERT_EQ( LW_OK, lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_SELF, asked, &one ) );
+				expectReason( world, query.get(), q, asked, poses, plain.get() );
+				ASSERT_EQ( LW_OK, lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_SELF, asked, &one, nullptr ) );
 				EXPECT_EQ( one, self > asked ) << asked;
 			}
 		}
 	}
 	EXPECT_GE( std::min( { environment_free, environment_hit, self_free, self_hit } ), 50 );
-}
-
-TEST( Checker, SceneDistanceDiffersFromAllPairs )
-{
-	SeededRng rng;
-	for ( int i = 0; i < 40; ++i )
-	{
-		World world( rng, 2, rng.integer( 1, 30 ) );
-		QueryPtr query = makeQuery( world.scene ), plain = makeQuery();
-		ShapePtr probe = randomSoup( rng, 40, 0.2 );
-		for ( int k = 0; k < 10; ++k )
-		{
-			lw_transform pose = randomPose( rng, 2 );
-			double want = inf;
-			for ( uint32_t shape = 0; shape < lw_scene_shape_count( world.scene ); ++shape )
-			{
-				lw_scene_shape_def obstacle = lw_scene_shape( world.scene, shape );
-				lw_clearance one;
-				lw_shape_distance( probe.get(), &pose, obstacle.shape, &obstacle.world_from_shape, nullptr, plain.get(),
-					&one );
-				want = std::min( want, one.upper );
-			}
-			lw_clearance got;
-			ASSERT_EQ( LW_OK, lw_scene_distance( world.scene, probe.get(), &pose, nullptr, query.get(), &got ) );
-			expect_distance( got, want );
-		}
-		lw_clearance out;
-		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-			lw_scene_distance( world.scene, probe.get(), nullptr, nullptr, query.get(), &out ) );
-		lw_transform still = lw_transform_identity();
-		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-			lw_scene_distance( world.scene, probe.get(), &still, nullptr, plain.get(), &out ) );
-		EXPECT_EQ( out.lower, 0 );
-	}
 }
 
 TEST( Checker, ErrorReadsAsFree )
@@ -373,16 +382,19 @@ TEST( Checker, ErrorReadsAsFree )
 		EXPECT_EQ( out.environment.upper, inf );
 		EXPECT_EQ( out.self.kind, LW_CLEARANCE_UNKNOWN );
 		bool free = true;
+		lw_state_reason reason = { LW_VERDICT_FREE, false, {} };
 		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-			lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_BOTH, 0, &free ) );
+			lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_BOTH, 0, &free, &reason ) );
 		EXPECT_FALSE( free );
+		EXPECT_EQ( reason.verdict, LW_VERDICT_UNKNOWN );
+		EXPECT_EQ( reason.pair.kind, LW_CLEARANCE_UNKNOWN );
 	}
 	for ( double bad : { -0.1, inf, std::nan( "" ) } )
 	{
 		bool free = true;
 		std::vector<double> zero( world.group.size() );
 		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-			lw_checker_is_free( world.checker, query.get(), zero.data(), LW_CHECK_BOTH, bad, &free ) )
+			lw_checker_is_free( world.checker, query.get(), zero.data(), LW_CHECK_BOTH, bad, &free, nullptr ) )
 			<< bad;
 		EXPECT_FALSE( free ) << bad;
 	}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Deferred meshes: made late, on threads, or not at all. No answer may differ, and a failure never reads as free.
 #include "required_world.hpp"
+#include "shape/shape.h"
 
 TEST( Required, FailedMeshReadsAsFreeSpace )
 {
@@ -156,7 +157,7 @@ TEST( Required, DeferredMeshTellsItsBounds )
 	EXPECT_EQ( 10u, info.triangle_count );
 	EXPECT_EQ( 0u, info.node_count );
 	EXPECT_EQ( 0, counts.made );
-	EXPECT_EQ( LW_OK, lw_shape_validate( later.get(), nullptr ) );
+	EXPECT_EQ( LW_OK, lwi_shape_validate( later.get(), nullptr ) );
 	EXPECT_EQ( 1, counts.made );
 	info = lw_shape_get_info( later.get() );
 	EXPECT_FALSE( info.deferred );

@@ -2,6 +2,7 @@
 // Random shapes of all types, each for the engine and for the oracle from the same numbers.
 #pragma once
 
+#include "shape/shape.h"
 #include "shape_oracle.hpp"
 #include "shapes.hpp"
 
@@ -180,7 +181,7 @@ inline void make_set( SeededRng& rng, double size, Subject& out )
 	lw_status status = spheres ? lw_shape_create_spheres( numbers.data(), n, nullptr, nullptr, &diag, &shape )
 							   : lw_shape_create_boxes( numbers.data(), n, nullptr, nullptr, &diag, &shape );
 	ASSERT_EQ( LW_OK, status ) << diag.message;
-	ASSERT_EQ( LW_OK, lw_shape_validate( shape, &diag ) ) << diag.message;
+	ASSERT_EQ( LW_OK, lwi_shape_validate( shape, &diag ) ) << diag.message;
 	out.shape.reset( shape );
 }
 

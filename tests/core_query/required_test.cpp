@@ -10,7 +10,7 @@ namespace
 void expectBlocked( const World& world, const lw_checker* checker, lw_query* query, const State& q, const State& to,
 	double t, double min_d )
 {
-	lw_range range = { min_d, std::nextafter( min_d, 1.0 ), 0 };
+	const lw_range range = lw_range_threshold( min_d );
 	State full_a( world.reference.size() ), full_b( full_a ), full_t( full_a ), at;
 	lw_checker_full_state( checker, q.data(), full_a.data() );
 	lw_checker_full_state( checker, to.data(), full_b.data() );

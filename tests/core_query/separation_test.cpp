@@ -41,7 +41,6 @@ struct Ready
 	explicit Ready( const lwi_swept_poses& from ) : poses( from )
 	{
 		poses.middle = from.at[0];
-		poses.made = !from.is_linear;
 		poses.cloud = &cloud;
 	}
 };
@@ -79,20 +78,9 @@ struct Moving
 	std::vector<Pose> poses() const
 	{
 		std::vector<Pose> out;
-		Pose middle = pose_from( places.at[0] );
 		for ( int i = 0; i < places.count; ++i )
 		{
 			out.push_back( pose_from( places.at[i] ) );
-		}
-		const Vec turn = from( places.turn ), shift = from( places.shift );
-		for ( int i = 0; i < 2 && places.is_linear; ++i )
-		{
-			const real by = i == 0 ? -1 : 1;
-			for ( int k = 0; k < 3; ++k )
-			{
-				out[(std::size_t)i].column[k] = middle.column[k] + by * cross( turn, middle.column[k] );
-			}
-			out[(std::size_t)i].t = middle.t + by * ( shift + cross( turn, middle.t ) );
 		}
 		return out;
 	}
@@ -146,15 +134,8 @@ Moving random_moving( SeededRng& rng, double size, double far, bool moves )
 	m.places.count = 1;
 	m.places.at[0] = random_pose( rng, far );
 	const double step = size * rng.decade( -3, 0 ), turn = rng.decade( -3, -0.3 );
-	const int kind = moves ? rng.integer( 0, 2 ) : 0;
-	if ( kind == 1 )
-	{
-		m.places.count = 2;
-		m.places.is_linear = true;
-		m.places.turn = to_double( random_point( rng, turn ) );
-		m.places.shift = to_double( random_point( rng, step ) );
-	}
-	for ( int i = 1; i < 3 && kind == 2; ++i )
+	const bool several = moves && rng.integer( 0, 2 ) > 0;
+	for ( int i = 1; i < 3 && several; ++i )
 	{
 		m.places.count = 3;
 		const lw_vec3 axis = random_direction( rng );
@@ -238,16 +219,12 @@ void random_pair( SeededRng& rng, Moving& a, Moving& b )
 	const lw_vec3 d = random_direction( rng );
 	const double far = rng.uniform( 0.3, 1.5 ) * ( a.size() + b.size() );
 	const double away[3] = { far * d.x, far * d.y, far * d.z };
-	for ( int i = 0; i < b.places.count && !b.places.is_linear; ++i )
+	for ( int i = 0; i < b.places.count; ++i )
 	{
 		for ( int k = 0; k < 3; ++k )
 		{
 			b.places.at[i].t[k] += away[k];
 		}
-	}
-	for ( int k = 0; k < 3 && b.places.is_linear; ++k )
-	{
-		b.places.at[0].t[k] += away[k];
 	}
 }
 
@@ -341,7 +318,6 @@ TEST( Separation, TwoShapesAreNearerThanTheirPlaneSays )
 		for ( Moving* m : { &a, &b } )
 		{
 			m->places.count = 1;
-			m->places.is_linear = false;
 		}
 		Vec best;
 		const double widest = widest_gap( a, b, &best ) + dilation( a ) + dilation( b ), size = a.size() + b.size();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Motion hulls of the shared robots: no vertex leaves a hull or a sphere at random states and at corners of the joint box.
-// The longer run of a million states is bench_reach's.
+// The longer run of a million states is that of leeway-bench reach.
 #include "hull_inside.hpp"
 #include "leeway/io/model.hpp"
 #include "seeded_rng.hpp"

@@ -115,13 +115,9 @@ TEST( ReachDef, OfLinksThatAreNotThereNothingIsProved )
 			{
 				EXPECT_EQ( lw_reach_get_pair( reach.get(), x, y ).kind, LW_PAIR_CHECK );
 				EXPECT_EQ( lw_reach_get_pair( reach.get(), x, y ).separation, 0 );
-				EXPECT_EQ( lw_reach_base( reach.get(), x, y ), 0 );
-				EXPECT_EQ( lw_reach_rigid( reach.get(), x, y ), 0 );
-				EXPECT_EQ( lw_reach_motion( reach.get(), x, y ), 0 );
 				State q( lw_robot_variable_count( robot.get() ) );
 				EXPECT_FALSE( lw_reach_closest_state( reach.get(), x, y, q.data() ) );
 			}
-			EXPECT_EQ( lw_reach_scfree( reach.get(), b ), 0 );
 		}
 	}
 }

@@ -23,7 +23,7 @@ struct PairLeft
 	std::uint32_t cells;
 };
 
-/// The interval batch of an edge. @param left written. @return false if this edge has none
+/// The gate of an edge. @param left written. @return false if this edge cannot be measured
 bool pairsLeft( const lw_checker* checker, lw_query* query, const double* qa, const double* qb, const lw_edge_def& def,
 	std::vector<PairLeft>* left )
 {
@@ -39,14 +39,15 @@ bool pairsLeft( const lw_checker* checker, lw_query* query, const double* qa, co
 	lwi_edge_begin( &e );
 	const bool ready = lwi_path_begin( &e, 0, 0 ) == LWI_PATH_READY;
 	lwi_edge_begin_pairs( &e );
-	if ( !ready || !lwi_edge_measure_clusters( &e, 0.5, 0.5 ) || !lwi_edge_has_batch( &e ) )
+	if ( !ready || !lwi_edge_measure_path( &e ) )
 	{
 		return false;
 	}
-	lwi_edge_batch_pass( &e );
+	lwi_work_begin( &e, 1, false );
+	lwi_edge_gate( &e );
 	for ( std::uint32_t i = 0; i < e.pairs.count; ++i )
 	{
-		left->push_back( { e.pairs.all[i].body_a, e.pairs.all[i].body_b, e.pairs.all[i].cells } );
+		left->push_back( { e.pairs.all[i].body[0], e.pairs.all[i].body[1], e.pairs.all[i].cells } );
 	}
 	return true;
 }
@@ -115,11 +116,12 @@ struct World
 	World( SeededRng& rng, State& qa, State& qb, bool meshes )
 	{
 		model.link( "root" );
+		constexpr lw_joint_type types[] = { LW_JOINT_CONTINUOUS, LW_JOINT_CONTINUOUS, LW_JOINT_CONTINUOUS, LW_JOINT_CONTINUOUS, LW_JOINT_PRISMATIC, LW_JOINT_PLANAR, LW_JOINT_FLOATING };
 		const int joints = rng.integer( 1, 4 );
 		for ( int i = 0; i < joints; ++i )
 		{
 			lw_joint_def& j = model.joint( "l" + std::to_string( i ),
-				rng.integer( 0, 4 ) > 0 ? LW_JOINT_CONTINUOUS : LW_JOINT_PRISMATIC, static_cast<std::uint32_t>( i ) );
+				types[rng.integer( 0, 6 )], static_cast<std::uint32_t>( i ) );
 			j.parent = rng.integer( 0, 2 ) > 0 ? j.parent : 0; // a second arm
 			j.parent_from_joint = randomTransform( rng, 0.5 );
 			ball( rng, static_cast<std::uint32_t>( i + 1 ), rng.uniform( -0.5, 0.5 ), meshes );

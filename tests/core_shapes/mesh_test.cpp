@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Mesh creation: welding, degenerate triangles, bad input, failing memory, determinism.
+#include "shape/shape.h"
 #include "shape_support.hpp"
 
 #include <cstring>
@@ -243,7 +244,7 @@ TEST( Mesh, EveryFailedAllocationIsCleanedUp )
 				{
 					EXPECT_EQ( memory.live, lw_shape_get_info( shape ).bytes ) << "info.bytes is what the shape holds";
 					memory.failAt = memory.calls + 1;
-					EXPECT_EQ( lw_shape_validate( shape, &diag ), LW_ERROR_OUT_OF_MEMORY );
+					EXPECT_EQ( lwi_shape_validate( shape, &diag ), LW_ERROR_OUT_OF_MEMORY );
 					lw_shape_release( shape );
 					EXPECT_EQ( memory.live, 0u );
 					break;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Primitives and point sets: bounds, bad dimensions, lifetime.
+#include "shape/shape.h"
 #include "shape_support.hpp"
 
 #include <cstring>
@@ -83,7 +84,7 @@ TEST( Primitives, BoundsContainTheSurfaceTightly )
 			double exact = type == LW_SHAPE_SPHERE ? d[0] : type == LW_SHAPE_CAPSULE ? d[0] + 0.5 * d[1] : largest;
 			EXPECT_LE( info.sphere_radius, exact * ( 1 + 1e-6 ) );
 			EXPECT_EQ( shape->primitive, type != LW_SHAPE_SPHERE && type != LW_SHAPE_CAPSULE );
-			EXPECT_EQ( lw_shape_validate( shape.get(), nullptr ), LW_OK );
+			EXPECT_EQ( lwi_shape_validate( shape.get(), nullptr ), LW_OK );
 		}
 	}
 }
@@ -110,7 +111,7 @@ TEST( Primitives, SphereIsABallAndCapsuleASegment )
 	EXPECT_EQ( c.vertices[3 * c.indices[1] + 2], 0.4 );
 	EXPECT_EQ( c.indices[1], c.indices[2] );
 	EXPECT_NEAR( c.root_sphere[3], 0.4, 1e-6 );
-	EXPECT_EQ( lw_shape_validate( makePrimitive( LW_SHAPE_CAPSULE, 0.1, 0.0 ).get(), nullptr ), LW_OK );
+	EXPECT_EQ( lwi_shape_validate( makePrimitive( LW_SHAPE_CAPSULE, 0.1, 0.0 ).get(), nullptr ), LW_OK );
 }
 
 TEST( Primitives, BadDimensionsAreNamed )
@@ -153,7 +154,7 @@ TEST( Points, AreBallsOfOneRadius )
 		ASSERT_EQ( lw_shape_create_points( points[0].data(), 5000, 0.02, &tree, nullptr, nullptr, &raw ), LW_OK );
 		ShapePtr shape( raw );
 		lw_diag diag = {};
-		EXPECT_EQ( lw_shape_validate( raw, &diag ), LW_OK ) << diag.message;
+		EXPECT_EQ( lwi_shape_validate( raw, &diag ), LW_OK ) << diag.message;
 		lw_shape_info info = lw_shape_get_info( raw );
 		EXPECT_EQ( info.vertex_count, 5000u );
 		EXPECT_EQ( info.triangle_count, 0u );
@@ -187,7 +188,7 @@ TEST( Points, LargeCloudsAreShallowAndSmall )
 	ASSERT_EQ( lw_shape_create_points( points.data(), count, 0.005, nullptr, nullptr, nullptr, &raw ), LW_OK );
 	ShapePtr shape( raw );
 	lw_diag diag = {};
-	EXPECT_EQ( lw_shape_validate( raw, &diag ), LW_OK ) << diag.message;
+	EXPECT_EQ( lwi_shape_validate( raw, &diag ), LW_OK ) << diag.message;
 	lw_shape_info info = lw_shape_get_info( raw );
 	EXPECT_LE( info.depth, 12u );
 	EXPECT_LT( static_cast<double>( info.bytes ) / count, 60.0 );

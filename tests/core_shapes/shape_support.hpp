@@ -238,7 +238,7 @@ private:
 inline TreeStats expectSoundTree( const lw_shape* shape, bool tiled = false )
 {
 	lw_diag diag = {};
-	EXPECT_EQ( lw_shape_validate( shape, &diag ), LW_OK ) << diag.message << " at " << diag.index;
+	EXPECT_EQ( lwi_shape_validate( shape, &diag ), LW_OK ) << diag.message << " at " << diag.index;
 	TreeWalk walk( shape, tiled );
 	lw_shape_info info = lw_shape_get_info( shape );
 	EXPECT_EQ( walk.outside, 0 );

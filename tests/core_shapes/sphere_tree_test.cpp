@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sphere trees: containment, tightness, tiles, and inputs made to break the builder.
+#include "shape/shape.h"
 #include "shape_support.hpp"
 
 #include <cstring>
@@ -334,7 +335,7 @@ TEST( SphereTree, AMillionTriangles )
 	Soup soup = torus( 724, 1.0, 0.3 ); // 2^20 and a few
 	ShapePtr shape = makeMesh( soup );
 	lw_diag diag = {};
-	EXPECT_EQ( lw_shape_validate( shape.get(), &diag ), LW_OK ) << diag.message;
+	EXPECT_EQ( lwi_shape_validate( shape.get(), &diag ), LW_OK ) << diag.message;
 	lw_shape_info info = lw_shape_get_info( shape.get() );
 	EXPECT_EQ( info.triangle_count, 2u * 724u * 724u );
 	EXPECT_LE( info.depth, 12u );
@@ -350,9 +351,9 @@ TEST( SphereTree, ValidationSeesDamage )
 	{
 		ShapePtr shape = makeMesh( soup );
 		lw_diag diag = {};
-		ASSERT_EQ( lw_shape_validate( shape.get(), &diag ), LW_OK );
+		ASSERT_EQ( lwi_shape_validate( shape.get(), &diag ), LW_OK );
 		shape->nodes[0].r[lane] *= 0.999f;
-		EXPECT_EQ( lw_shape_validate( shape.get(), &diag ), LW_ERROR_BAD_GEOMETRY );
+		EXPECT_EQ( lwi_shape_validate( shape.get(), &diag ), LW_ERROR_BAD_GEOMETRY );
 		EXPECT_EQ( diag.status, LW_ERROR_BAD_GEOMETRY );
 		++found;
 	}
@@ -362,7 +363,7 @@ TEST( SphereTree, ValidationSeesDamage )
 		ShapePtr shape = makeMesh( soup );
 		std::uint32_t& triangle = shape->leaves[3].triangle[0];
 		triangle = triangle == other ? 6u : other; // one triangle twice, or one that does not exist; another missing
-		EXPECT_EQ( lw_shape_validate( shape.get(), nullptr ), LW_ERROR_BAD_GEOMETRY );
+		EXPECT_EQ( lwi_shape_validate( shape.get(), nullptr ), LW_ERROR_BAD_GEOMETRY );
 	}
 	// a float triangle that sticks out of its sphere while the original does not
 	ShapePtr shape = makeMesh( soup );
@@ -371,7 +372,7 @@ TEST( SphereTree, ValidationSeesDamage )
 		coordinate[1] = 9;
 	}
 	lw_diag diag = {};
-	EXPECT_EQ( lw_shape_validate( shape.get(), &diag ), LW_ERROR_BAD_GEOMETRY );
+	EXPECT_EQ( lwi_shape_validate( shape.get(), &diag ), LW_ERROR_BAD_GEOMETRY );
 	EXPECT_NE( std::strstr( diag.message, "leaf triangle" ), nullptr ) << diag.message;
 	// half a segment: inside its sphere, and of the right area
 	Soup segment;
@@ -384,7 +385,7 @@ TEST( SphereTree, ValidationSeesDamage )
 			coordinate[lane] = 0;
 		}
 	}
-	EXPECT_EQ( lw_shape_validate( shape.get(), nullptr ), LW_ERROR_BAD_GEOMETRY );
+	EXPECT_EQ( lwi_shape_validate( shape.get(), nullptr ), LW_ERROR_BAD_GEOMETRY );
 }
 
 TEST( SphereTree, EveryLevelContainsTheShape )

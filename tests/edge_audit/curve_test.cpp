@@ -469,16 +469,16 @@ TEST( Curve, GridsAreLookedUpForEachStateOfALook )
 	for ( int first = 0; first < 8; ++first )
 	{
 		double q[16];
-		bool free[8];
+		lw_verdict verdicts[8];
 		for ( int i = 0; i < 8; ++i )
 		{
 			q[2 * i] = 0;
 			q[2 * i + 1] = i < first ? -0.0999 : 0.0999; // 0.19 m away from the post, and 1 cm in it
 		}
-		ASSERT_EQ( lw_checker_states( world.checker.get(), world.query.get(), q, 8, LW_CHECK_SELF, 0, free ), LW_OK );
+		ASSERT_EQ( lw_checker_states( world.checker.get(), world.query.get(), q, 8, LW_CHECK_SELF, 0, LW_STATES_FULL, verdicts, nullptr ), LW_OK );
 		for ( int i = 0; i < 8; ++i )
 		{
-			EXPECT_EQ( free[i], i < first ) << "state " << i << " of " << first;
+			EXPECT_EQ( verdicts[i] == LW_VERDICT_FREE, i < first ) << "state " << i << " of " << first;
 		}
 	}
 }

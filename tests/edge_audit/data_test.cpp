@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Edges of real robots in real scenes: a FREE that a dense look refutes, a BLOCKED that nobody can reproduce. The benchmark
-// audit_edges asks the same of 10^5 edges.
+// leeway-bench audit-edges asks the same of 10^5 edges.
 #include "support/edge_worlds.hpp"
 #include "tube_bench.hpp"
 
@@ -93,18 +93,19 @@ TEST( StatesData, LooksDifferFromStatesOnRealRobots )
 			}
 			const lw_check_flags flags = k % 4 == 0 ? LW_CHECK_BOTH : LW_CHECK_ENVIRONMENT;
 			const double min_d = k % 3 == 0 ? 0.02 : 0;
-			lw_verdict verdicts[8];
-			bool many[8];
+			lw_verdict verdicts[8], many[8];
 			ASSERT_EQ(
-			    lw_checker_look( world.checker.get(), query.get(), q.data(), 8, flags, min_d, false, verdicts, nullptr ),
+			    lw_checker_states( world.checker.get(), query.get(), q.data(), 8, flags, min_d, LW_STATES_LANES, verdicts, nullptr ),
 			    LW_OK );
-			ASSERT_EQ( lw_checker_states( world.checker.get(), query.get(), q.data(), 8, flags, min_d, many ), LW_OK );
+			ASSERT_EQ(
+			    lw_checker_states( world.checker.get(), query.get(), q.data(), 8, flags, min_d, LW_STATES_FULL, many, nullptr ),
+			    LW_OK );
 			for ( std::size_t t = 0; t < 8; ++t )
 			{
 				bool free = false;
 				const double* state = q.data() + t * motion.from.size();
-				ASSERT_EQ( lw_checker_is_free( world.checker.get(), query.get(), state, flags, min_d, &free ), LW_OK );
-				EXPECT_EQ( many[t], free ) << world.name;
+				ASSERT_EQ( lw_checker_is_free( world.checker.get(), query.get(), state, flags, min_d, &free, nullptr ), LW_OK );
+				EXPECT_EQ( many[t] == LW_VERDICT_FREE, free ) << world.name;
 				EXPECT_TRUE( verdicts[t] != ( free ? LW_VERDICT_BLOCKED : LW_VERDICT_FREE ) ) << world.name;
 				++seen[verdicts[t]];
 			}

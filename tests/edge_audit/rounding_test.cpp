@@ -3,15 +3,15 @@
 #include "audit_fixture.hpp"
 #include "one_obstacle.hpp"
 #include "random_world.hpp"
-#include "setup/roundings.hpp"
+#include "leeway/motions/roundings.hpp"
 
 #include <gtest/gtest.h>
 
 namespace
 {
 
-using leeway::cli::proveRoundings;
-using leeway::cli::RoundingProof;
+using leeway::motions::proveRoundings;
+using leeway::motions::RoundingProof;
 
 State moved( State a, const State& v, double t )
 {
@@ -335,10 +335,11 @@ struct Plane
 		query = leeway::makeQuery( checker.get() );
 	}
 
-	RoundingProof ask( const std::vector<State>& path, double radius )
+	RoundingProof ask( const std::vector<State>& path, double radius, const State& tolerance = {} )
 	{
 		RoundingProof out;
-		const lw_edge_def def = lw_edge_def_default();
+		lw_edge_def def = lw_edge_def_default();
+		def.tolerance = tolerance.empty() ? nullptr : tolerance.data();
 		EXPECT_EQ( proveRoundings( checker.get(), query.get(), path, radius, def, out ), LW_OK );
 		return out;
 	}
@@ -383,6 +384,26 @@ TEST( Roundings, LargestFreeRadiusIsThatOfTheArcThatTouchesAPost )
 		EXPECT_GE( wide.free_radius, 0.75 * touching ) << angle; // other blends get a little nearer to the post than the arc
 		EXPECT_EQ( plane.ask( path, wide.free_radius ).verdict, LW_VERDICT_FREE ) << angle;
 		EXPECT_EQ( plane.ask( { path[0], path[1], { 0, 3.9 } }, 0.1 ).on_edge, true ) << angle; // through the post
+	}
+}
+
+// A blend as deep as the radius, driven as far beside itself as the tolerance allows, is no deeper than the arc that touches the post.
+TEST( Roundings, TolerancesOfJointsThatMoveReachBeyondTheRounding )
+{
+	for ( const double angle : { 0.3, 1.0, 1.5708 } )
+	{
+		const double x = std::cos( angle / 2 ), y = std::sin( angle / 2 ), size = 0.2;
+		const double touching = std::min( 0.8, 0.25 * 3.9 * std::tan( angle / 4 ) ), beside = 0.4 * touching;
+		Plane plane( 0, touching + size, size );
+		const std::vector<State> path = { { -3.9 * x, 3.9 * y }, { 0, 0 }, { 3.9 * x, 3.9 * y } };
+		const RoundingProof wide = plane.ask( path, 2 * touching, { 0, beside } );
+		ASSERT_NE( wide.verdict, LW_VERDICT_FREE ) << angle;
+		EXPECT_FALSE( wide.on_edge ) << angle;
+		EXPECT_LE( wide.free_radius, touching - beside ) << angle;
+		EXPECT_GE( wide.free_radius, 0.5 * ( touching - beside ) ) << angle;
+		// of a joint that stands still along the path likewise
+		EXPECT_EQ( plane.ask( { { -1, 0 }, { 0, 0 }, { 1, 0 }, { 1, 0.1 } }, 0.01, { 0, 0.9 * touching } ).verdict, LW_VERDICT_FREE ) << angle;
+		EXPECT_NE( plane.ask( { { -1, 0 }, { 0, 0 }, { 1, 0 }, { 1, 0.1 } }, 0.01, { 0, 1.1 * touching } ).verdict, LW_VERDICT_FREE ) << angle;
 	}
 }
 

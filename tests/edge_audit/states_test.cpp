@@ -45,23 +45,23 @@ void compare( const EdgeWorld& world, const lw_checker* checker, const std::vect
 	const std::size_t n = world.variables.size();
 	const auto count = static_cast<std::uint32_t>( q.size() / n );
 	const QueryPtr many = makeQuery( checker ), single = makeQuery( checker );
-	std::vector<lw_verdict> looks( count ), contacts( count );
-	std::vector<lw_check_flags> open( count );
-	const std::unique_ptr<bool[]> free( new bool[count] );
+	std::vector<lw_verdict> looks( count ), contacts( count ), full( count );
+	std::vector<lw_check_flags> open( count ), left( count );
 	ASSERT_EQ(
-	    LW_OK, lw_checker_look( checker, many.get(), q.data(), count, flags, min_d, false, looks.data(), open.data() ) );
+	    LW_OK, lw_checker_states( checker, many.get(), q.data(), count, flags, min_d, LW_STATES_LANES, looks.data(), open.data() ) );
 	ASSERT_EQ(
-	    LW_OK, lw_checker_look( checker, many.get(), q.data(), count, flags, min_d, true, contacts.data(), nullptr ) );
-	ASSERT_EQ( LW_OK, lw_checker_states( checker, many.get(), q.data(), count, flags, min_d, free.get() ) );
+	    LW_OK, lw_checker_states( checker, many.get(), q.data(), count, flags, min_d, LW_STATES_CONTACT, contacts.data(), nullptr ) );
+	ASSERT_EQ( LW_OK, lw_checker_states( checker, many.get(), q.data(), count, flags, min_d, LW_STATES_FULL, full.data(), left.data() ) );
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
 		const double* state = q.data() + i * n;
 		bool is_free = false;
 		lw_state_result exact;
-		ASSERT_EQ( LW_OK, lw_checker_is_free( checker, single.get(), state, flags, min_d, &is_free ) );
+		ASSERT_EQ( LW_OK, lw_checker_is_free( checker, single.get(), state, flags, min_d, &is_free, nullptr ) );
 		ASSERT_EQ( LW_OK, lw_checker_state( checker, single.get(), state, flags, nullptr, false, &exact ) );
 		const double least = std::min( exact.environment.upper, exact.self.kind == LW_CLEARANCE_UNKNOWN ? inf : exact.self.upper );
-		EXPECT_EQ( is_free, free[i] ) << world.name << ", state " << i;
+		EXPECT_EQ( is_free, full[i] == LW_VERDICT_FREE ) << world.name << ", state " << i;
+		EXPECT_EQ( left[i] != 0, full[i] == LW_VERDICT_UNDECIDED ) << world.name << ", state " << i;
 		EXPECT_TRUE( looks[i] != LW_VERDICT_FREE || is_free ) << world.name << ", state " << i;
 		EXPECT_TRUE( looks[i] != LW_VERDICT_BLOCKED || least <= 0 ) << world.name << ", state " << i << ": " << least;
 		EXPECT_NE( LW_VERDICT_FREE, contacts[i] );
@@ -69,7 +69,7 @@ void compare( const EdgeWorld& world, const lw_checker* checker, const std::vect
 		bool passes = looks[i] == LW_VERDICT_FREE;
 		if ( looks[i] == LW_VERDICT_UNDECIDED )
 		{
-			ASSERT_EQ( LW_OK, lw_checker_is_free( checker, single.get(), state, open[i], min_d, &passes ) );
+			ASSERT_EQ( LW_OK, lw_checker_is_free( checker, single.get(), state, open[i], min_d, &passes, nullptr ) );
 			counts.partly += open[i] != flags;
 		}
 		EXPECT_EQ( looks[i] == LW_VERDICT_UNDECIDED, open[i] != 0 ) << world.name << ", state " << i;
@@ -96,7 +96,7 @@ struct Slider : OneJoint
 	{
 		const QueryPtr query = makeQuery( checker );
 		lw_verdict out = LW_VERDICT_UNKNOWN;
-		EXPECT_EQ( LW_OK, lw_checker_look( checker, query.get(), &x, 1, flags, min_d, false, &out, nullptr ) );
+		EXPECT_EQ( LW_OK, lw_checker_states( checker, query.get(), &x, 1, flags, min_d, LW_STATES_LANES, &out, nullptr ) );
 		return out;
 	}
 };
@@ -219,7 +219,7 @@ TEST( States, MarginOfAPairIsForgotten )
 		{
 			const double q[2] = { 0, 0.4 }; // spheres 5.4 cm apart
 			lw_verdict verdict;
-			ASSERT_EQ( LW_OK, lw_checker_look( checker.get(), query.get(), q, 1, flags, 0, false, &verdict, nullptr ) );
+			ASSERT_EQ( LW_OK, lw_checker_states( checker.get(), query.get(), q, 1, flags, 0, LW_STATES_LANES, &verdict, nullptr ) );
 			EXPECT_EQ( margin < 0.05, verdict == LW_VERDICT_FREE ) << margin << ", flags " << flags;
 		}
 	}
@@ -251,35 +251,43 @@ TEST( States, BadStatesReadAsFree )
 	{
 		const double q[3] = { 1, bad, 1 };
 		lw_verdict verdicts[3] = { LW_VERDICT_FREE, LW_VERDICT_FREE, LW_VERDICT_FREE };
-		bool free[3] = { true, true, true };
 		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-		    lw_checker_look( slider.checker, query.get(), q, 3, LW_CHECK_BOTH, 0, false, verdicts, nullptr ) );
-		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_states( slider.checker, query.get(), q, 3, LW_CHECK_BOTH, 0, free ) );
+		    lw_checker_states( slider.checker, query.get(), q, 3, LW_CHECK_BOTH, 0, LW_STATES_LANES, verdicts, nullptr ) );
+		lw_verdict full[3] = { LW_VERDICT_FREE, LW_VERDICT_FREE, LW_VERDICT_FREE };
+		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
+		    lw_checker_states( slider.checker, query.get(), q, 3, LW_CHECK_BOTH, 0, LW_STATES_FULL, full, nullptr ) );
 		for ( int i = 0; i < 3; ++i )
 		{
 			EXPECT_EQ( LW_VERDICT_UNKNOWN, verdicts[i] );
-			EXPECT_FALSE( free[i] );
+			EXPECT_EQ( LW_VERDICT_UNKNOWN, full[i] );
 		}
 	}
 	const double q[1] = { 1e13 }; // its place rounds by millimetres
-	lw_verdict verdict = LW_VERDICT_FREE;
-	bool free = true;
-	EXPECT_EQ( LW_OK, lw_checker_look( slider.checker, query.get(), q, 1, LW_CHECK_BOTH, 0, false, &verdict, nullptr ) );
-	EXPECT_EQ( LW_VERDICT_UNDECIDED, verdict );
-	EXPECT_EQ( LW_OK, lw_checker_states( slider.checker, query.get(), q, 0, LW_CHECK_BOTH, 0, nullptr ) );
-	const double one = 1;
-	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_states( slider.checker, query.get(), &one, 1, LW_CHECK_BOTH, 0, nullptr ) );
-	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-	    lw_checker_look( slider.checker, query.get(), &one, 1, LW_CHECK_BOTH, 0, false, nullptr, nullptr ) );
+	EXPECT_EQ( LW_VERDICT_UNDECIDED, slider.look( q[0] ) );
+	const auto states = [&]( const lw_checker* checker, lw_query* with, std::uint32_t count, lw_check_flags flags, double min_d,
+	                        int effort, lw_verdict* out )
+	{
+		const double one = 1;
+		return lw_checker_states(
+		    checker, with, &one, count, flags, min_d, static_cast<lw_states_effort>( effort ), out, nullptr );
+	};
+	lw_verdict out = LW_VERDICT_FREE;
+	EXPECT_EQ( LW_OK, states( slider.checker, query.get(), 0, LW_CHECK_BOTH, 0, LW_STATES_FULL, nullptr ) );
+	const lw_status bad_argument = LW_ERROR_INVALID_ARGUMENT;
+	EXPECT_EQ( bad_argument, states( slider.checker, query.get(), 1, LW_CHECK_BOTH, 0, LW_STATES_FULL, nullptr ) );
+	EXPECT_EQ( bad_argument, states( slider.checker, query.get(), 1, LW_CHECK_BOTH, 0, 0, &out ) );
+	EXPECT_EQ( bad_argument, states( slider.checker, query.get(), 1, LW_CHECK_BOTH, 0, LW_STATES_FULL + 1, &out ) );
 	for ( const double bad : { nan, -1.0, inf } )
 	{
-		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_states( slider.checker, query.get(), &one, 1, LW_CHECK_BOTH, bad, &free ) );
+		out = LW_VERDICT_FREE;
+		EXPECT_EQ( bad_argument, states( slider.checker, query.get(), 1, LW_CHECK_BOTH, bad, LW_STATES_FULL, &out ) );
+		EXPECT_EQ( LW_VERDICT_UNKNOWN, out );
 	}
-	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-		lw_checker_states( slider.checker, query.get(), &one, 1, static_cast<lw_check_flags>( 0 ), 0, &free ) );
-	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_states( nullptr, query.get(), &one, 1, LW_CHECK_BOTH, 0, &free ) );
-	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_states( slider.checker, nullptr, &one, 1, LW_CHECK_BOTH, 0, &free ) );
-	EXPECT_FALSE( free );
+	EXPECT_EQ( bad_argument,
+	    states( slider.checker, query.get(), 1, static_cast<lw_check_flags>( 0 ), 0, LW_STATES_FULL, &out ) );
+	EXPECT_EQ( bad_argument, states( nullptr, query.get(), 1, LW_CHECK_BOTH, 0, LW_STATES_FULL, &out ) );
+	EXPECT_EQ( bad_argument, states( slider.checker, nullptr, 1, LW_CHECK_BOTH, 0, LW_STATES_FULL, &out ) );
+	EXPECT_EQ( LW_VERDICT_UNKNOWN, out );
 }
 
 TEST( States, BaseInContactIsForgotten )
@@ -297,9 +305,9 @@ TEST( States, BaseInContactIsForgotten )
 	const QueryPtr query = makeQuery( checker.get() );
 	const double q = 0.5;
 	lw_verdict verdict;
-	ASSERT_EQ( LW_OK, lw_checker_look( checker.get(), query.get(), &q, 1, LW_CHECK_BOTH, 0.005, false, &verdict, nullptr ) );
+	ASSERT_EQ( LW_OK, lw_checker_states( checker.get(), query.get(), &q, 1, LW_CHECK_BOTH, 0.005, LW_STATES_LANES, &verdict, nullptr ) );
 	EXPECT_EQ( LW_VERDICT_FREE, verdict );
-	ASSERT_EQ( LW_OK, lw_checker_look( checker.get(), query.get(), &q, 1, LW_CHECK_BOTH, 0.02, false, &verdict, nullptr ) );
+	ASSERT_EQ( LW_OK, lw_checker_states( checker.get(), query.get(), &q, 1, LW_CHECK_BOTH, 0.02, LW_STATES_LANES, &verdict, nullptr ) );
 	EXPECT_NE( LW_VERDICT_FREE, verdict );
 }
 
@@ -317,8 +325,8 @@ TEST( States, LooksLeaveTraces )
 		for ( std::uint32_t k = 0; k < 16; ++k )
 		{
 			lw_state_result a, b;
-			ASSERT_EQ( LW_OK, lw_checker_look( checker, looked.get(), q.data(), 16, LW_CHECK_BOTH, 0, k % 2 != 0,
-			                      verdicts.data(), nullptr ) );
+			ASSERT_EQ( LW_OK, lw_checker_states( checker, looked.get(), q.data(), 16, LW_CHECK_BOTH, 0,
+			                      k % 2 != 0 ? LW_STATES_CONTACT : LW_STATES_LANES, verdicts.data(), nullptr ) );
 			ASSERT_EQ( LW_OK, lw_checker_state( checker, looked.get(), q.data() + k * n, LW_CHECK_BOTH, nullptr, false, &a ) );
 			ASSERT_EQ( LW_OK, lw_checker_state( checker, fresh.get(), q.data() + k * n, LW_CHECK_BOTH, nullptr, false, &b ) );
 			EXPECT_TRUE( sameBits( a.environment.lower, b.environment.lower ) && sameBits( a.environment.upper, b.environment.upper ) &&

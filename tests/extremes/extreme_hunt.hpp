@@ -16,7 +16,7 @@ inline void hunt( std::uint64_t seed, std::uint64_t count, int least, Findings& 
 	ShapePair ( *generate )( Random&, Arrangement, int ) = randomShapes )
 {
 	QueryPtr query = makeQuery();
-	for ( std::uint64_t i = 0; i < count; ++i )
+	for ( std::uint64_t i = 0; i < caseCount( count ); ++i )
 	{
 		Random random( seed + i );
 		judgeShapes( random, static_cast<Arrangement>( i % arrangement_count ), i, query.get(), findings, least, generate );

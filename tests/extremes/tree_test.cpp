@@ -30,7 +30,7 @@ TEST( ExtremeTrees, PromiseIsBrokenBelowANanometre )
 	}
 }
 
-// Case 89527 of bench_extremes --seed 20261121: a box stopped at min_d + radius, and taking the radius off rounded up.
+// Case 89527 of seed 20261121: a box stopped at min_d + radius, and taking the radius off rounded up.
 TEST( ExtremeTrees, ViolationAtMinDIsLeftUndecided )
 {
 	QueryPtr query = makeQuery();

@@ -26,7 +26,7 @@ TEST( ExtremeTriangles, DistanceBeyondItsBound )
 	for ( int f = 0; f < family_count; ++f )
 	{
 		Findings findings;
-		for ( std::uint64_t i = 0; i < 40000; ++i )
+		for ( std::uint64_t i = 0; i < caseCount( 40000 ); ++i )
 		{
 			Random random( i * family_count + static_cast<unsigned>( f ) );
 			judgeTriangles( randomPair( random, static_cast<Family>( f ) ), family_names[f], i, findings );
@@ -43,7 +43,7 @@ TEST( ExtremeTriangles, DistanceBeyondItsBound )
 TEST( ExtremeTriangles, Denormals )
 {
 	Findings findings;
-	for ( std::uint64_t i = 0; i < 200000; ++i )
+	for ( std::uint64_t i = 0; i < caseCount( 200000 ); ++i )
 	{
 		Random random( i );
 		Family family = static_cast<Family>( i % far_away );

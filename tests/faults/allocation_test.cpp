@@ -7,6 +7,7 @@
 #include "random_robot.hpp"
 
 #include "leeway/leeway.h"
+#include "shape/shape.h"
 
 #include <functional>
 
@@ -246,9 +247,9 @@ TEST( Faults, ValidationWithoutMemory )
 	lw_shape* shape = nullptr;
 	ASSERT_EQ( LW_OK, lw_shape_create_mesh( &def, &allocator, nullptr, &shape ) );
 	memory.left = 0;
-	EXPECT_EQ( LW_ERROR_OUT_OF_MEMORY, lw_shape_validate( shape, nullptr ) );
+	EXPECT_EQ( LW_ERROR_OUT_OF_MEMORY, lwi_shape_validate( shape, nullptr ) );
 	memory.left = 100;
-	EXPECT_EQ( LW_OK, lw_shape_validate( shape, nullptr ) );
+	EXPECT_EQ( LW_OK, lwi_shape_validate( shape, nullptr ) );
 	lw_shape_release( shape );
 	EXPECT_EQ( memory.live, 0 );
 }
@@ -441,7 +442,7 @@ TEST( Faults, QuestionsTakeNoMemory )
 			EXPECT_EQ( LW_OK, lw_checker_edge( checker, query, a.data(), b.data(), &edge_def, &edge ) );
 			lw_clearance c;
 			const lw_transform here = lw_transform_identity();
-			EXPECT_EQ( LW_OK, lw_scene_distance( scene.get(), w.cell.get(), &here, nullptr, query, &c ) );
+			EXPECT_EQ( LW_OK, lw_shape_distance( w.cell.get(), &here, w.cell.get(), &here, nullptr, query, &c ) );
 		}
 		EXPECT_EQ( memory.live, live );
 		EXPECT_EQ( memory.left, 0 ) << "somebody asked";

@@ -12,6 +12,7 @@
 
 #include <atomic>
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <thread>
 #include <unistd.h>
 
@@ -137,15 +138,65 @@ TEST_F( Input, EveryByteOfACacheFileCounts )
 	}
 }
 
-TEST_F( Input, ADeviceWithoutAnEndMeetsTheLimit )
+/// A FIFO would wait for a writer, and /dev/zero has no end: each is told for what it is, by whichever name.
+TEST_F( Input, PipesDevicesAndFoldersAreRead )
 {
-	if ( !std::filesystem::exists( "/dev/zero" ) )
+	const std::string pipe = path( "pipe" ), folder = path( "folder" ), link = path( "link" ), loop = path( "loop" );
+	ASSERT_EQ( mkfifo( pipe.c_str(), 0600 ), 0 );
+	std::filesystem::create_directory( folder );
+	std::filesystem::create_symlink( "pipe", link );
+	std::filesystem::create_symlink( "loop", loop );
+	const std::vector<std::pair<std::string, std::string>> fakes = { { pipe, "is a pipe, not a file" },
+	    { link, "is a pipe, not a file" }, { folder, "is a folder, not a file" }, { "/dev/zero", "is a device, not a file" },
+	    { "/dev/null", "is a device, not a file" }, { loop, "cannot be read: " } };
+	for ( const auto& [file, problem] : fakes )
 	{
-		GTEST_SKIP() << "no /dev/zero";
+		expectError( [&, name = file] { (void)readWholeFile( name ); }, { file, problem } );
+		expectError( [&, name = file] { (void)loadRobot( name, "" ); }, { file, problem } );
+		expectError( [&, name = file] { (void)loadScene( name ); }, { file, problem } );
+		expectError( [&, name = file] { (void)loadRequest( name ); }, { file, problem } );
+		const std::string kind = problem.substr( 0, 3 ) == "is " ? problem.substr( 3 ) : "Too many levels";
+		expectError( [&, name = file] { (void)loadRobot( write( "r.urdf", robotOf( name ) ), "" ); }, { file + " (" + kind } );
 	}
-	const LimitScope scope( with( &Limits::file_bytes, 1 << 20 ) );
-	expectError( [] { (void)loadScene( "/dev/zero" ); }, { "/dev/zero", "the limit file_bytes is 1048576" } );
-	expectError( [] { (void)readWholeFile( "/dev/zero" ); }, { "--input-limit file_bytes=N" } );
+	writeTetrahedron( "m.obj" );
+	const std::string model = write( "r.urdf", robotOf( "m.obj" ) );
+	expectError( [&] { (void)loadRobot( model, pipe ); }, { pipe, "is a pipe" } );
+}
+
+/// assimp opens the libraries of materials that an OBJ names, glTF its buffers.
+TEST_F( Input, PipesThatMeshesNameAreOpened )
+{
+	const std::string pipe = path( "pipe" );
+	ASSERT_EQ( mkfifo( pipe.c_str(), 0600 ), 0 );
+	const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl steel\nf 1 2 3\n";
+	write( "m.obj", "mtllib " + pipe + "\n" + corners );
+	EXPECT_EQ( loadRobot( write( "r.urdf", robotOf( "m.obj" ) ), "" ).links.size(), 1u );
+	write( "m.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+	    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+	    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+	    "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri": "pipe"}]})" );
+	expectError( [&] { (void)loadRobot( write( "r.urdf", robotOf( "m.gltf" ) ), "" ); }, { "m.gltf", "buffer 0", "is a pipe" } );
+}
+
+TEST_F( Input, AStreamOfTheProgramIsReadToItsEndAndToTheLimit )
+{
+	const auto streamed = []( const std::string& text )
+	{
+		int ends[2];
+		EXPECT_EQ( ::pipe( ends ), 0 );
+		EXPECT_EQ( ::write( ends[1], text.data(), text.size() ), static_cast<ssize_t>( text.size() ) );
+		close( ends[1] );
+		const std::string bytes = readWholeFile( "/dev/fd/" + std::to_string( ends[0] ) );
+		close( ends[0] );
+		return bytes;
+	};
+	const std::string text( 5000, 'x' );
+	EXPECT_EQ( streamed( text ), text );
+	const LimitScope scope( with( &Limits::file_bytes, 4999 ) );
+	expectError( [&] { (void)streamed( text ); }, { "/dev/fd/", "the limit file_bytes is 4999", "--input-limit file_bytes=N" } );
+	const int zero = open( "/dev/zero", O_RDONLY );
+	expectError( [&] { (void)readWholeFile( "/dev/fd/" + std::to_string( zero ) ); }, { "is a device, not a file" } );
+	close( zero );
 }
 
 TEST_F( Input, LimitsAreOfTheScopeAndTold )

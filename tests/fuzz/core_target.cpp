@@ -62,9 +62,8 @@ private:
 		case 15:
 			return addQuery();
 		case 16:
-			return measureShapes();
 		case 17:
-			return measureScene();
+			return measureShapes();
 		case 18:
 			return checkState();
 		case 19:
@@ -123,16 +122,6 @@ private:
 			expect(
 			    ab.lower <= ba.upper + slack && ba.lower <= ab.upper + slack, "both orders of a pair have one distance" );
 		}
-	}
-
-	void measureScene()
-	{
-		const lw_transform at = pose();
-		const lw_range asked = range();
-		lw_clearance c = lw_clearance_unknown();
-		const lw_status status = lw_scene_distance(
-		    pick( m_scenes ), pick( m_shapes ), &at, m_bytes.oneIn( 2 ) ? nullptr : &asked, pick( m_queries ), &c );
-		checkInterval( status, c );
 	}
 
 	std::vector<double> stateOf( const lw_checker* checker, bool calm )

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Objects of the core for the structured fuzzer.
 #include "core_world.hpp"
+#include "shape/shape.h"
 
 #include <array>
 #include <cstring>
@@ -192,7 +193,7 @@ void CoreWorld::addMesh()
 	lw_diag diag;
 	const lw_status status = lw_shape_create_mesh( &def, memory(), &diag, &shape );
 	keep( m_shapes, lw_shape_release, status, shape );
-	expect( shape == nullptr || allocator()->left >= 0 || lw_shape_validate( shape, &diag ) == LW_OK,
+	expect( shape == nullptr || allocator()->left >= 0 || lwi_shape_validate( shape, &diag ) == LW_OK,
 	    "a mesh that was made has a valid tree" );
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The table of targets, the folder of inputs, and the queries made of every shape that was read.
 #include "fuzz.hpp"
+#include "shape/shape.h"
 
 #include <cmath>
 #include <cstdio>
@@ -66,6 +67,7 @@ const std::vector<Target>& targets()
 	    { "settings", settings, text, "settings" },
 	    { "csv", csv, text, "csv" },
 	    { "path", path, text, "path" },
+	    { "steps", steps, text, "steps" },
 	    { "shape_blob", shapeBlob, binary, "shape_blob" },
 	    { "reach_blob", reachBlob, binary, "reach_blob" },
 	    { "cache_file", cacheFile, binary, "cache_file" },
@@ -124,7 +126,7 @@ void useShape( const lw_shape* shape )
 		return;
 	}
 	lw_diag diag{};
-	const lw_status valid = lw_shape_validate( shape, &diag );
+	const lw_status valid = lwi_shape_validate( shape, &diag );
 	expect( valid == LW_OK, "a shape that was made has a valid tree" );
 	const double edges[3] = { 0.5, 0.5, 0.5 };
 	lw_shape* box = nullptr;

@@ -2,9 +2,10 @@
 // Files of models and problems: URDF, SRDF, planning scenes, requests, margins and paddings, tables, paths.
 #include "fuzz.hpp"
 
-#include "text/csv.hpp"
-#include "text/path_file.hpp"
-#include "text/trajectory_file.hpp"
+#include "motions/csv.hpp"
+#include "leeway/motions/path_file.hpp"
+#include "leeway/motions/steps_file.hpp"
+#include "leeway/motions/trajectory_file.hpp"
 
 #include <cmath>
 
@@ -146,7 +147,7 @@ void csv( Input input )
 	reads(
 	    [&]
 	    {
-		    const leeway::cli::CsvTable table = leeway::cli::readCsv( file );
+		    const leeway::motions::CsvTable table = leeway::motions::readCsv( file );
 		    for ( std::size_t row = 0; row < table.rows.size(); ++row )
 		    {
 			    for ( std::size_t column = 0; column < table.header.size(); ++column )
@@ -163,13 +164,13 @@ void path( Input input )
 	reads(
 	    [&]
 	    {
-		    const leeway::cli::PathFile first = leeway::cli::readPath( file );
+		    const leeway::motions::PathFile first = leeway::motions::readPath( file );
 		    for ( const std::vector<double>& point : first.points )
 		    {
 			    expect( point.size() == first.joint_names.size(), "a point has a value for each joint" );
 		    }
-		    const std::string again = put( "written.yaml", leeway::cli::writePath( first ) );
-		    const leeway::cli::PathFile second = leeway::cli::readPath( again );
+		    const std::string again = put( "written.yaml", leeway::motions::writePath( first ) );
+		    const leeway::motions::PathFile second = leeway::motions::readPath( again );
 		    expect( second.points == first.points && second.joint_names == first.joint_names && second.min_d == first.min_d,
 		        "a path that was written is read again" );
 	    } );
@@ -178,10 +179,10 @@ void path( Input input )
 		reads(
 		    [&]
 		    {
-			    for ( const leeway::cli::TrajectoryFile& trajectory : leeway::cli::readTrajectories( name ) )
+			    for ( const leeway::motions::TrajectoryFile& trajectory : leeway::motions::readTrajectories( name ) )
 			    {
 				    double before = -1;
-				    for ( const leeway::cli::TrajectoryPoint& point : trajectory.points )
+				    for ( const leeway::motions::TrajectoryPoint& point : trajectory.points )
 				    {
 					    const std::size_t count = trajectory.joint_names.size();
 					    expect( point.positions.size() == count && point.velocities.size() % count == 0 &&
@@ -193,7 +194,27 @@ void path( Input input )
 			    }
 		    } );
 	}
-	reads( [&] { leeway::cli::readJointLimits( file ); } );
+	reads( [&] { leeway::motions::readJointLimits( file ); } );
+}
+
+void steps( Input input )
+{
+	const std::string file = put( "input.yaml", input );
+	reads(
+	    [&]
+	    {
+		    bool moves = false;
+		    for ( const leeway::motions::Step& step : leeway::motions::readSteps( file ) )
+		    {
+			    using Kind = leeway::motions::Step::Kind;
+			    const bool with_link = step.kind == Kind::attach || step.kind == Kind::allow || step.kind == Kind::forbid;
+			    moves = moves || step.kind == Kind::trajectory;
+			    expect( ( step.kind == Kind::trajectory ) == !step.file.empty(), "a step with a trajectory has its file, no other has one" );
+			    expect( step.kind == Kind::trajectory || !step.object.empty(), "a change of the world names an object" );
+			    expect( with_link == !step.link.empty(), "an object that is attached or allowed to touch has a link" );
+		    }
+		    expect( moves, "steps have a trajectory" );
+	    } );
 }
 
 } // namespace fuzz

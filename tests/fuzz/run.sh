@@ -39,6 +39,7 @@ trap 'rm -rf "$scratch" "$files"' EXIT
 keep=${KEEP:-$scratch/corpora}
 mkdir -p "$keep" "$build/findings" "$files"
 "$build/bin/leeway_fuzz_seeds" "$scratch/seeds" >"$scratch/targets"
+python3 tests/bad_inputs/hostile.py "$scratch/seeds"
 if [ "$#" -gt 0 ]; then
 	for target in "$@"; do grep "^$target " "$scratch/targets"; done >"$scratch/chosen"
 	mv "$scratch/chosen" "$scratch/targets"

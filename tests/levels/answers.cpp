@@ -89,13 +89,11 @@ void addReach( Digest& digest, const lw_reach* reach )
 		}
 		digest.add( lw_reach_hull_points( reach, i ), node.hull_point_count * 3 * sizeof( double ) );
 		digest.add( node.dilation );
-		digest.add( lw_reach_scfree( reach, i ) );
 		for ( std::uint32_t k = 0; k < links; ++k )
 		{
 			const lw_reach_pair pair = lw_reach_get_pair( reach, i, k );
 			for ( double value :
-			    { static_cast<double>( pair.kind ), static_cast<double>( pair.proof ), pair.separation, pair.closest,
-			        lw_reach_base( reach, i, k ), lw_reach_rigid( reach, i, k ), lw_reach_motion( reach, i, k ) } )
+			    { static_cast<double>( pair.kind ), static_cast<double>( pair.proof ), pair.separation, pair.closest } )
 			{
 				digest.add( value );
 			}

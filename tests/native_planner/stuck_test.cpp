@@ -142,7 +142,7 @@ TEST( NativeStuck, FreeTravelEndsAtTheFirstStateThatIsNotFree )
 					{
 						q[i] = end[i] + sign * travel;
 						ASSERT_EQ( lw_checker_is_free(
-						               problem.checker.get(), problem.query.get(), q.data(), LW_CHECK_BOTH, 0, &free ),
+						               problem.checker.get(), problem.query.get(), q.data(), LW_CHECK_BOTH, 0, &free, nullptr ),
 						    LW_OK );
 						if ( !free )
 						{

@@ -399,7 +399,7 @@ TEST_P( CertifiedMotion, ValidMotionsAreFreeWithinTheirTolerance )
 					q[v] += ( 1 - 1e-9 ) * options.tolerance[v] * ( rng.integer( 0, 1 ) ? 1 : -1 );
 				}
 				bool free = false;
-				ASSERT_EQ( lw_checker_is_free( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, 0, &free ), LW_OK );
+				ASSERT_EQ( lw_checker_is_free( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, 0, &free, nullptr ), LW_OK );
 				ASSERT_TRUE( free ) << "beside t = " << until * k / 40;
 			}
 		}
@@ -473,6 +473,31 @@ TEST_P( CertifiedMotion, StartWithinTheSlackIsNoReasonToStayThere )
 }
 
 INSTANTIATE_TEST_SUITE_P( Worlds, CertifiedMotion, testing::ValuesIn( worlds() ), worldName );
+
+TEST( MotionBounds, LastValidStatesAreTheEndsOfFreeMotions )
+{
+	// a ball that begins within the slack of a wall at its left, and is driven into one at its right
+	SeededRng rng;
+	const leeway::ompl::Options options;
+	constexpr double radius = 0.1, wall = 0.4; // half of a wall
+	int moved = 0;
+	for ( int i = 0; i < 400; ++i )
+	{
+		const double gap = rng.uniform( 0.3, 1 );
+		const Rig rig( makeChecker( { slider( "rail", 0, -2, 2, makeBall( radius ) ) },
+			{ { makeBox( 2 * wall, 1, 1 ), at( -radius - wall, 0, 0 ) }, { makeBox( 2 * wall, 1, 1 ), at( gap + radius + wall, 0, 0 ) } } ) );
+		ob::ScopedState<> s1( rig.space ), s2( rig.space ), last( rig.space );
+		s1[0] = rng.uniform( 0.01, 0.9 ) * options.slack;
+		s2[0] = gap + rng.uniform( 0.001, 0.3 );
+		std::pair<ob::State*, double> last_valid( last.get(), 1 );
+		ASSERT_FALSE( rig.si->checkMotion( s1.get(), s2.get(), last_valid ) );
+		moved += last_valid.second > 0;
+		ASSERT_TRUE( rig.si->isValid( last.get() ) );
+		ASSERT_TRUE( rig.si->checkMotion( s1.get(), last.get() ) ) << s1[0] << " to " << last[0] << " of " << gap;
+		ASSERT_TRUE( rig.si->checkMotion( last.get(), s1.get() ) ) << s1[0] << " to " << last[0] << " of " << gap;
+	}
+	EXPECT_GT( moved, 200 );
+}
 
 /// Two rails without the neighbourhood of a point, as a user may derive a space with a hole.
 struct RailsWithAHole : ob::RealVectorStateSpace

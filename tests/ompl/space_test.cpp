@@ -329,6 +329,33 @@ TEST( Curves, RotationsThatOmplTakesForEqualAreProvedAsOmplMoves )
 	}
 }
 
+TEST( Curves, MotionsInPartsThatOneOfThreeCurvesBlocksKeepTheirStart )
+{
+	// The boom again, with a turntable that makes three turns of it parts: along OMPL's curve from the first state all is free, along that
+	// from the second the third part is not.
+	const leeway::Checker checker = makeChecker(
+		{ vehicle( "fly", LW_JOINT_FLOATING, 2, makeBall( 0.01 ), at( 100, 0, 0 ) ), hinge( "turn", LW_JOINT_CONTINUOUS, 0, 0.2 ) },
+		{ { makeBall( 0.01 ), at( 100.5, -0.0195, 0 ) } } );
+	auto line = std::make_shared<ob::RealVectorStateSpace>( 1 );
+	line->setBounds( -7, 7 );
+	auto fly = std::make_shared<ob::SE3StateSpace>();
+	ob::RealVectorBounds bounds( 3 );
+	bounds.setLow( -2 );
+	bounds.setHigh( 2 );
+	fly->setBounds( bounds );
+	const Rig rig( checker, {}, fly + line );
+	const double half = 2.5e-5;
+	const std::vector<double> from = { 1, 0, 0, 0, 0, std::sin( half ), std::cos( half ), -3 }, to = { 0, 0, 0, 0, 0, 0, 1, 3 };
+	ob::ScopedState<> s1( rig.space ), s2( rig.space ), last( rig.space );
+	rig.engine->adapter().fromVector( from.data(), s1.get() );
+	rig.engine->adapter().fromVector( to.data(), s2.get() );
+	ASSERT_GT( rig.engine->adapter().pieceCount( from.data(), to.data() ), 2u );
+	std::pair<ob::State*, double> last_valid( last.get(), 1 );
+	EXPECT_FALSE( rig.si->checkMotion( s1.get(), s2.get(), last_valid ) );
+	EXPECT_EQ( last_valid.second, 0 );
+	EXPECT_TRUE( rig.space->equalStates( last.get(), s1.get() ) );
+}
+
 TEST( Curves, OppositeRotationsAreProvedOnTheSideThatOmplTakes )
 {
 	// half a turn about a random axis: the sign of a scalar product that is zero but for rounding decides the way. A boom

@@ -46,7 +46,7 @@ cp /etc/resolv.conf "$root/etc/resolv.conf"
 step "apt-get update" inside apt-get -q update
 inside sh -c 'find / -xdev -not -path "/proc/*" -not -path "/srv/*" -not -path "/var/*" -not -path "/tmp/*" | sort' >"$scratch.before"
 
-step "install libleeway0 and leeway alone" inside sh -c 'apt-get -qy --no-install-recommends install /srv/leeway/libleeway0_*.deb /srv/leeway/leeway_*.deb'
+step "install libleeway0, libleeway-cxx and leeway alone" inside sh -c 'apt-get -qy --no-install-recommends install /srv/leeway/libleeway0_*.deb /srv/leeway/libleeway-cxx*.deb /srv/leeway/leeway_*.deb'
 step "run the program" inside leeway plan --robot /srv/leeway/examples/first/arm.urdf --srdf /srv/leeway/examples/first/arm.srdf \
 	--scene /srv/leeway/examples/first/scene.yaml --start left --goal right --min-d 0.01 --no-cache --out /tmp/path.yaml
 step "manual and completions are there" inside sh -c 'test -e /usr/share/bash-completion/completions/leeway && test -e /usr/share/fish/vendor_completions.d/leeway.fish && test -e /usr/share/zsh/vendor-completions/_leeway'
@@ -59,16 +59,16 @@ step "C by pkg-config: leeway" inside sh -c 'cd /tmp && cc -std=c11 /srv/leeway/
 step "C by pkg-config: leeway-plan" inside sh -c 'cd /tmp && cc -std=c11 /srv/leeway/examples/03_plan/plan.c -o plan $(pkg-config --cflags --libs leeway-plan) && ./plan'
 step "install CMake and the packages that libleeway-dev suggests" inside sh -c 'apt-get -qy --no-install-recommends install cmake ninja-build g++ $( dpkg-query -W -f "\${Suggests}" libleeway-dev | tr -d , )'
 version=$( sed -nE 's/^project\(leeway VERSION ([0-9.]+).*/\1/p' CMakeLists.txt )
-step "C and C++ by CMake: configure" inside cmake -S /srv/leeway/consumer -B /tmp/consumer -G Ninja "-DCOMPONENTS=core;plan;io;ik;ompl;planners" \
+step "C and C++ by CMake: configure" inside cmake -S /srv/leeway/consumer -B /tmp/consumer -G Ninja "-DCOMPONENTS=core;plan;io;ik;motions;pairs;tune;ompl;planners" \
 	"-DVERSION=$version" -DEXAMPLES=/srv/leeway/examples -DCMAKE_BUILD_TYPE=Release
 step "C and C++ by CMake: build" inside cmake --build /tmp/consumer
-for program in consumer_c consumer_core consumer_plan consumer_plan_c consumer_io consumer_ik consumer_ompl consumer_planners; do
+for program in consumer_c consumer_core consumer_plan consumer_plan_c consumer_io consumer_ik consumer_motions consumer_pairs consumer_tune consumer_ompl consumer_planners; do
 	step "run $program" inside "/tmp/consumer/$program"
 done
 first=/srv/leeway/examples/first
 step "run the README's C++ with OMPL" inside /tmp/consumer/consumer_example "$first/arm.urdf" "$first/arm.srdf" "$first/scene.yaml" "$first/request.yaml"
 
-step "remove" inside apt-get -qy purge leeway python3-leeway libleeway-dev libleeway0
+step "remove" inside apt-get -qy purge leeway python3-leeway libleeway-dev "libleeway-cxx*" libleeway0
 inside sh -c 'find / -xdev -not -path "/proc/*" -not -path "/srv/*" -not -path "/var/*" -not -path "/tmp/*" | sort' >"$scratch.after"
 left=$( comm -13 "$scratch.before" "$scratch.after" | grep -i leeway || true )
 if [ -n "$left" ]; then

@@ -27,6 +27,7 @@ ELSEWHERE = {
     "links of Fetch": "torso_lift_link shoulder_lift_link shoulder_pan_link head_pan_link forearm_roll_link wrist_flex_link",
     "patterns": "Suite.WordsWithCapitals readX() x_reader.cpp x_test.cpp tests/io/shape/x_test.cpp",
     "written by commands of the page": "edges_out.csv panda_spherized.urdf not_covered.txt",
+    "written by users": "problems.toml",
 }
 # Folders that builds, installations and users make; a part in capitals stands for any name.
 MADE = re.compile(r"^(build\S*|install|share|\.\.)/|(^|/)[A-Z]+([/.]|$)|-[A-Z]+[-.]")

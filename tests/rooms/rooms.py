@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checks the rooms of a source folder: includes and calls only point down.
+"""Checks the rooms of a source folder: includes and calls only point down, and files of a room do not call each other in a circle.
 
     rooms.py --build build            # all houses; exit status 1 if a rule is broken
     rooms.py --build build --write    # and puts the picture of core/src into core/docs/README.md
 
 A house is a folder whose subfolders are rooms, listed below from the ground floor up. A file may include headers of its own room
-and of the rooms before it in the list. In the core, whose objects are in the build folder, the same holds for calls.
+and of the rooms before it in the list. In the core, whose objects are in the build folder, the same holds for calls; and the calls
+between files of one room have no circle, except for the rooms in House.circles.
 """
 import argparse
 import dataclasses
@@ -24,6 +25,8 @@ class House:
     folder: str
     rooms: list  # (name, contents), ground floor first
     objects: str = ""  # folder of its objects below the build folder
+    circles: tuple = ()  # rooms whose files may call each other in a circle
+    public: dict = dataclasses.field(default_factory=dict)  # room of the installed headers leeway/KEY/*, where the names differ
 
 
 HOUSES = [
@@ -40,7 +43,7 @@ HOUSES = [
         ("motion", "are all states of an edge free?"),
         ("approximate", "simplification, enclosing spheres: offline, no room includes it"),
         ("blob", "shapes and reachability as bytes"),
-    ], "core/CMakeFiles/leeway_core.dir/src"),
+    ], "core/CMakeFiles/leeway_core.dir/src", ("motion", "shape")),
     House("ompl_bridge/src/io", [
         ("base", "errors, limits, names, paths of packages; bytes, XML and YAML"),
         ("cache", "the cache folder and the format of its files"),
@@ -52,23 +55,22 @@ HOUSES = [
         ("scene", "scenes, requests, margins; a problem, which joins a robot with a scene"),
     ]),
     House("planners", [
-        ("native", "the library leeway::planners: search trees of joint space, samples, path smoothing"),
-        ("text", "options and their domains, notices and result files, names, tables, path files"),
-        ("ik", "inverse kinematics: goal states from poses of links"),
-        ("python", "the package leeway of Python: arrays in and out"),
-        ("setup", "robot, scene and checkers from options; states, ends of plans, OMPL's planners, audits"),
-        ("pairs", "tables of link pairs, the SRDF made from them; reports on links and obstacles"),
+        ("search", "the libraries leeway::plan and leeway::planners: search trees of joint space, samples, smoothing, OMPL's planners"),
+        ("ik", "the library leeway::ik: goal states from poses of links"),
+        ("motions", "the library leeway::motions: files of paths and trajectories, roundings, audits with limits"),
+        ("pairs", "the library leeway::pairs: tables of link pairs, the SRDF made from them; reports on links and obstacles"),
+        ("tune", "the library leeway::tune: states and motions that are measured, the settings, the choice"),
         ("view", "one HTML page of robot, scene, motion and clearances; pictures of it"),
-        ("tune", "states and motions that are measured, the settings, the choice"),
-        ("commands", "the main function, and one file for each subcommand"),
-    ]),
+        ("python", "the package leeway of Python: arrays in and out"),
+        ("program", "command line, files in and out, one file for each subcommand"),
+    ], public={"planners": "search"}),
     House("benchmarks", [
-        ("support", "command lines, states, edges and worlds, interleaved timing, the origin of results"),
-        ("report", "experiments and their rounds, pages and plots, comparison of two runs"),
+        ("support", "command lines, files of results and their comparison, states, edges and worlds, interleaved timing"),
+        ("report", "experiments and their rounds, their page and pictures"),
         ("peers", "engines of other libraries, judges of answers, workloads for all engines"),
         ("planning", "ways to plan, modules of other planners, their results as tables and a page"),
-        ("experiments", "parts switched off, figures of the paper, speed against accuracy, plans"),
-        ("programs", "one file for each program"),
+        ("experiments", "figures of the paper, parts switched off, speed against accuracy"),
+        ("programs", "the main function, and one file for each subcommand"),
     ]),
 ]
 
@@ -87,7 +89,11 @@ def includes(root, house):
     rooms = {name for name, _ in house.rooms}
     for room, path in files_of(root, house):
         for header in re.findall(r'^\s*#\s*include\s+"([^"]+)"', path.read_text(), re.MULTILINE):
-            other = header.split("/")[0] if "/" in header else room
+            parts = header.split("/")
+            if parts[0] == "leeway" and len(parts) > 2:  # an installed header
+                parts = parts[1:]
+                parts[0] = house.public.get(parts[0], parts[0])
+            other = parts[0] if len(parts) > 1 else room
             if other in rooms:
                 yield room, path.name, other, header
 
@@ -112,6 +118,41 @@ def calls(listings):
         for symbol in sorted(needed):
             if symbol in owner:
                 yield room, name, owner[symbol][0], f"{symbol} ({owner[symbol][1]})"
+
+
+def circles(listings):
+    """(room, files) for each largest set of files of a room that call each other in a circle: strong components (Tarjan 1972)."""
+    files = {place: set() for place in listings}
+    read = {place: symbols(text) for place, text in listings.items()}
+    owner = {name: place for place, (defined, _) in read.items() for name in defined}
+    for place, (_, needed) in read.items():
+        files[place] = {owner[symbol] for symbol in needed if symbol in owner and owner[symbol][0] == place[0]} - {place}
+    number, lowest, stack, found = {}, {}, [], []
+
+    def visit(place):
+        number[place] = lowest[place] = len(number)
+        stack.append(place)
+        for other in sorted(files[place]):
+            if other not in number:
+                visit(other)
+            if other in stack:
+                lowest[place] = min(lowest[place], lowest[other])
+        if lowest[place] == number[place]:
+            at = stack.index(place)
+            component = sorted(name for _, name in stack[at:])
+            del stack[at:]
+            if len(component) > 1:
+                found.append((place[0], component))
+
+    for place in sorted(files):
+        if place not in number:
+            visit(place)
+    return found
+
+
+def circle_problems(house, listings):
+    return [f"{house.folder}/{room}: {', '.join(names)} call each other in a circle; move a function or a file, so that calls go one way"
+            for room, names in circles(listings) if room not in house.circles]
 
 
 def listings_of(root, build, house):
@@ -162,15 +203,17 @@ def picture(house, placed, arrows):
 
 
 def survey(root, build, house):
-    """Files and arrows of a house."""
+    """Files and arrows of a house, and what is wrong with calls between files of a room."""
     placed = list(files_of(root, house))
     arrows = [("includes", *arrow) for arrow in includes(root, house)]
+    wrong = []
     if house.objects:
         listings = listings_of(root, build, house)
         if not listings:
             sys.exit(f"{build / house.objects}: there are no objects; build leeway_core first")
         arrows += [("calls", *arrow) for arrow in calls(listings)]
-    return placed, arrows
+        wrong = circle_problems(house, listings)
+    return placed, arrows, wrong
 
 
 def main():
@@ -181,8 +224,8 @@ def main():
     root = pathlib.Path(__file__).resolve().parents[2]
     found = []
     for house in HOUSES:
-        placed, arrows = survey(root, arguments.build, house)
-        found += problems_of(house, placed, arrows)
+        placed, arrows, wrong = survey(root, arguments.build, house)
+        found += problems_of(house, placed, arrows) + wrong
         if house.objects:
             page = root / "core/docs/README.md"
             text = page.read_text()
@@ -192,7 +235,7 @@ def main():
                 page.write_text(text[:begin] + drawn + text[end:])
             elif shape_of(text[begin:end]) != shape_of(drawn):
                 found.append("core/docs/README.md: its picture of the rooms is not today's; run tests/rooms/rooms.py --build ... --write")
-    print("\n".join(found) if found else f"{len(HOUSES)} houses, every arrow points down")
+    print("\n".join(found) if found else f"{len(HOUSES)} houses, every arrow points down, no circles")
     return 1 if found else 0
 
 

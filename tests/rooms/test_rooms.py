@@ -34,10 +34,25 @@ class Rooms(unittest.TestCase):
         self.assertEqual(len(found), 1)
         self.assertIn("wine.c: includes roof/tiles.h of roof", found[0])
 
+    def test_include_of_an_installed_header_that_points_up(self):
+        found = problems({**GOOD, "cellar/wine.c": '#include "leeway/roof/tiles.hpp"\n#include "leeway/tiles.h"\n'}, CALLS_DOWN)
+        self.assertEqual(len(found), 1)
+        self.assertIn("wine.c: includes leeway/roof/tiles.hpp of roof", found[0])
+
     def test_call_that_points_up(self):
         found = problems(GOOD, {**CALLS_DOWN, ("cellar", "wine.c"): "0000 T wine\n                 U tiles\n"})
         self.assertEqual(len(found), 1)
         self.assertIn("wine.c: calls tiles", found[0])
+
+    def test_files_of_a_room_that_call_each_other_in_a_circle(self):
+        one_way = {("cellar", "wine.c"): "0000 T wine\n                 U cask\n", ("cellar", "cask.c"): "0000 T cask\n                 U hoop\n",
+                   ("cellar", "hoop.c"): "0000 T hoop\n"}
+        self.assertEqual(rooms.circle_problems(HOUSE, one_way), [])
+        circle = {**one_way, ("cellar", "hoop.c"): "0000 T hoop\n                 U wine\n"}
+        found = rooms.circle_problems(HOUSE, circle)
+        self.assertEqual(len(found), 1)
+        self.assertIn("cask.c, hoop.c, wine.c", found[0])
+        self.assertEqual(rooms.circle_problems(rooms.House("src", HOUSE.rooms, "objects", ("cellar",)), circle), [])
 
     def test_file_outside_of_every_room(self):
         found = problems({**GOOD, "loose.c": ""}, CALLS_DOWN)

@@ -172,11 +172,9 @@ struct EdgeWorld
 	/// Is this state free, by leeway's checker?
 	bool isFree( const std::vector<double>& q, lw_query* query ) const
 	{
-		const lw_range range = { 0, std::nextafter( 0.0, 1.0 ), 0 };
-		lw_state_result result;
-		leeway::require(
-			lw_checker_state( checker.get(), query, q.data(), LW_CHECK_BOTH, &range, true, &result ), "a state" );
-		return result.verdict == LW_VERDICT_FREE;
+		bool free = false;
+		leeway::require( lw_checker_is_free( checker.get(), query, q.data(), LW_CHECK_BOTH, 0, &free, nullptr ), "a state" );
+		return free;
 	}
 
 	std::vector<double> randomState( std::mt19937_64& random ) const

@@ -193,7 +193,7 @@ template <class R> inline Bounds<R> between( const PlacedPiece<R>& a, const Plac
 	int stalled = 0;
 	for ( int i = 0; i < 400; ++i )
 	{
-		// of points that are equally far along, another one than last time, which led nowhere: where edges are square to v
+		// if v is normal to an edge, several points are equally far along v: after a stall, tilt v to get another one of them
 		Vec<R> along = stalled > 0 ? v + ( std::ldexp( 1.0, -60 + 4 * stalled ) * length( v ) / length( w ) ) * w : v;
 		w = a.support( R( -1 ) * along ) - b.support( along );
 		R gap = dot( along, w ) / length( along );

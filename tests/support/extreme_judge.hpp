@@ -6,7 +6,9 @@
 #include "extreme_solids.hpp"
 #include "same_bits.hpp"
 
+#include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <limits>
 #include <string>
 
@@ -14,6 +16,14 @@
 
 namespace extremes
 {
+
+/// So many cases, times the environment variable LEEWAY_EXTREMES: 1000 makes a long hunt of a test.
+inline std::uint64_t caseCount( std::uint64_t usual )
+{
+	const char* times = std::getenv( "LEEWAY_EXTREMES" );
+	return times != nullptr ? usual * std::max( 1ull, std::strtoull( times, nullptr, 10 ) ) : usual;
+}
+
 enum Stage
 {
 	triangle_distance, ///< |lwi_tri_tri() - truth| in LWI_TRI_TRI_ERROR of the extent

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The shared robots in scenes, asked with motion hulls and pair tables and without: no answer may differ. bench_self does
+// The shared robots in scenes, asked with motion hulls and pair tables and without: no answer may differ. leeway-bench self does
 // the same with more states and finer hulls.
 #include "leeway/io/model.hpp"
 #include "seeded_rng.hpp"

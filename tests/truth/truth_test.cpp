@@ -341,7 +341,7 @@ TEST_P( Truth, ViolationIffWithinMinDistance )
 // The fastest validity check: nothing but yes or no, stopping at the first contact.
 TEST_P( Truth, StopAtFirstGivesTheSameVerdict )
 {
-	lw_range range = makeRange( 0, std::nextafter( 0.0, 1.0 ), 0 );
+	const lw_range range = lw_range_threshold( 0 );
 	leeway::Query query = leeway::makeQuery( m_subject->group.get() );
 	Findings findings;
 	for ( std::size_t i = 0; i < ROWS; ++i )

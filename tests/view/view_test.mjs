@@ -104,7 +104,9 @@ const tests = {
 			await changes("minus", async () => { for (let i = 0; i < 4; ++i) { await tab.key("-"); } });
 			await tab.key(" ");
 			await tab.until(`leeway.at > 0.45 || leeway.playing === undefined`, "the motion plays");
-			await tab.key(" ");
+			if (await tab.value(`leeway.playing !== undefined`)) { // else a slow machine has played all of it
+				await tab.key(" ");
+			}
 			assert.equal(await text(tab, "play"), "Play");
 			await tab.value(`document.querySelector("#joint-list input").focus()`);
 			const value = await tab.value("leeway.q[0]");

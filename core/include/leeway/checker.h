@@ -22,11 +22,11 @@ typedef struct lw_pair_margin
 	double margin; ///< metres, >= 0
 } lw_pair_margin;
 
-/// Margins. The *clearance* of a pair is its distance minus its margin. Metres, finite and >= 0; zeroed: no margins.
+/// Distances that pairs must keep beyond contact, in metres, finite and >= 0; zeroed: no margins. The *clearance* of a pair is
+/// its distance minus its margin, and every answer of a checker is a clearance, for states and edges alike: core/docs/margins.md.
 ///   link to object:  environment + link_environment[link] + object[object], summed in this order
 ///   link to link:    self + link_self[lower index] + link_self[higher index], in this order
-/// A pair in a list below has the listed margin instead, larger or smaller. Every answer of a checker is a clearance, for
-/// states and edges alike: core/docs/margins.md.
+/// A pair in one of the lists has the listed margin instead of the sum, larger or smaller.
 typedef struct lw_margins
 {
 	double environment;
@@ -66,10 +66,10 @@ typedef struct lw_checker_def
 	/// parts (the robot and its group, if robot, reach, variables and reference are equal) and computes the rest:
 	/// microseconds instead of milliseconds. It changes no answer. No reference is taken; NULL = none.
 	const struct lw_checker* previous;
-	/// Leave out every pair that `previous` checks too, at the same place and with no smaller margin: the checker of the
-	/// changes. A state or motion that is FREE by `previous`, and FREE by this one with the same tolerance and min_d, is FREE
-	/// by a checker of everything; motions proved before are proved again at the cost of what moved, was added or attached.
-	/// Nothing is left out if the groups or references differ, or the bare robots. All answers are of the pairs that remain.
+	/// Check only the changes: every pair is left out that `previous` checks too, at the same place and with no smaller margin.
+	/// A state or motion that is FREE by `previous`, and FREE by this checker with the same tolerance and min_d, is FREE by a
+	/// checker of all pairs; proving it again costs only the pairs that moved, were added or attached. All pairs are checked if
+	/// the groups, the references, or the robots without attached objects differ.
 	bool only_changes;
 	/// Called on the calling thread with up to 64 deferred shapes that are needed at once. It may make them by
 	/// lw_shape_complete() on any number of threads, and returns when they are done. Shapes that it does not make are then
@@ -216,31 +216,46 @@ typedef struct lw_state_result
 LW_API lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const double* q, lw_check_flags flags,
 	const lw_range* range, bool stop_at_first, lw_state_result* out );
 
+/// The answer of lw_checker_is_free() with its reason.
+typedef struct lw_state_reason
+{
+	/// FREE: every selected clearance is above min_d. BLOCKED: the clearance of `pair` is at most min_d. UNDECIDED: that of
+	/// `pair` is min_d up to rounding. UNKNOWN: an error.
+	lw_verdict verdict;
+	bool self;         ///< `pair` is two links; false: a link and an object
+	/// The first pair found that is not above min_d: a = link, b = object or link. Its `upper` is attained; it need not be the
+	/// least clearance of the state. UNKNOWN if the state is FREE, and after an error.
+	lw_clearance pair;
+} lw_state_reason;
+
 /// Is every clearance of the state above min_d? The fastest validity check: it measures no more than the answer needs.
 /// @param q as for lw_checker_state()
 /// @param min_d safety margin, metres, finite, >= 0
 /// @param out_free true: proved. False: a clearance is at most min_d, or rounding (1e-12 m for an arm) decides, or an error
+/// @param out_reason the pair that is too near; nullable
 /// @return as lw_checker_state()
 LW_API lw_status lw_checker_is_free( const lw_checker* checker, lw_query* query, const double* q, lw_check_flags flags, double min_d,
-	bool* out_free );
+	bool* out_free, lw_state_reason* out_reason );
 
-/// A quick look at many states, eight at a time in the lanes of vectors: the spheres of meshes prove states free, and vertices of the
-/// robot's meshes inside of boxes and cylinders prove them blocked.
+/// How much lw_checker_states() measures.
+typedef enum lw_states_effort
+{
+	LW_STATES_CONTACT = 1, ///< contact with the scene only: no state is FREE, and the first BLOCKED one ends the call
+	LW_STATES_LANES = 2,   ///< eight states at a time in the lanes of vectors; those that need more are UNDECIDED
+	LW_STATES_FULL = 3     ///< lanes, then lw_checker_is_free() for each state that they leave undecided
+} lw_states_effort;
+
+/// lw_checker_is_free() of many states, eight at a time in the lanes of vectors: the spheres of meshes prove states free, and
+/// vertices of the robot's meshes inside boxes and cylinders prove them blocked. CONTACT suits states of an edge before its proof.
 /// @param q [count][lw_checker_variable_count()]
-/// @param contact_only nothing is proved free, which is quicker, and the first state in contact with the scene ends the call: a look
-/// at an edge before its proof
-/// @param out [count] FREE and BLOCKED are those of lw_checker_state(). UNDECIDED: ask lw_checker_is_free()
-/// @param open [count] tests that remain for lw_checker_is_free(), of UNDECIDED states: a state that passes them is free; 0 for others.
-/// May be NULL
-/// @return as lw_checker_state(); after an error all are UNKNOWN
-LW_API lw_status lw_checker_look( const lw_checker* checker, lw_query* query, const double* q, uint32_t count,
-	lw_check_flags flags, double min_d, bool contact_only, lw_verdict* out, lw_check_flags* open );
-
-/// lw_checker_is_free() of many states: lw_checker_look(), and one by one those that it leaves undecided.
-/// @param out_free [count]
-/// @return as lw_checker_state(); after an error all are false
+/// @param out [count] FREE and BLOCKED as by lw_checker_is_free(). UNDECIDED: not decided with this effort; with FULL: a clearance
+/// is min_d up to rounding
+/// @param out_open [count] the tests that remain for an UNDECIDED state: a state that passes them in lw_checker_is_free() is
+/// free; 0 for other states. Nullable
+/// @return as lw_checker_state(); after an error all verdicts are UNKNOWN
+/// Method: core/docs/states.md.
 LW_API lw_status lw_checker_states( const lw_checker* checker, lw_query* query, const double* q, uint32_t count,
-	lw_check_flags flags, double min_d, bool* out_free );
+	lw_check_flags flags, double min_d, lw_states_effort effort, lw_verdict* out, lw_check_flags* out_open );
 
 /// How an edge is validated.
 typedef enum lw_edge_method
@@ -277,23 +292,30 @@ typedef struct lw_edge_def
 
 LW_API lw_edge_def lw_edge_def_default( void );
 
+/// The answer for an edge.
+///
+/// Verdicts of edges whose least clearance is above min_d + slack, or that touch, do not depend on earlier calls. Within
+/// (min_d, min_d + slack] an edge may be FREE or UNDECIDED, and an edge that collides BLOCKED or UNDECIDED, depending on earlier
+/// calls with the same query; lw_query_reset() makes equal calls equal.
+/// Remedies for UNDECIDED: allow the pair if it may touch, or reduce min_d; with a tolerance, reduce the tolerance.
 typedef struct lw_edge_result
 {
-	/// CERTIFIED: FREE is a proof for every t in [0, 1]. BLOCKED comes with a colliding state, at t: its clearance is <=
-	/// min_d. UNDECIDED: at t all clearances are above min_d, that of `pair` is at most (min_d + slack) / (1 - alpha), and the
-	/// proof ended there because the pair is too close to min_d or stays close for too long (close_windows). Whether an edge
-	/// within that band is FREE or UNDECIDED, and one that collides BLOCKED or UNDECIDED, may depend on earlier calls with
-	/// this query (lw_query_reset() forgets them); nothing else does. Allow the pair if it may touch, or reduce min_d. With a tolerance the clearance is larger by at most the distance that the pair's points may move
-	/// within it, and the remedy is a smaller tolerance.
-	/// STEPS: FREE means that all checked states are > min_d, and no more; core/docs/edges.md derives the use of max_d.
-	/// Both: UNDECIDED with `pair` UNKNOWN: the edge takes more than LW_EDGE_MOST_STATES states; cut it.
+	/// FREE by CERTIFIED: proved for every t in [0, 1].
+	/// FREE by STEPS: every checked state is above min_d; core/docs/edges.md derives what max_d adds.
+	/// BLOCKED: the state at t has a clearance of at most min_d: that of `pair`.
+	/// UNDECIDED with a pair: at t every clearance is above min_d, that of `pair` is at most (min_d + slack) / (1 - alpha), and
+	/// no window around t could be proved, or too many would have to be halved (close_windows). A tolerance raises the limit by
+	/// the distance that the pair's points may move within it.
+	/// UNDECIDED with `pair` UNKNOWN: the edge takes more than LW_EDGE_MOST_STATES states; cut it into pieces.
+	/// UNKNOWN: an error.
 	lw_verdict verdict;
 	double t;            ///< of the violation or undecided verdict; 1 if FREE
 	double proved_until; ///< all of [0, proved_until] is proved (STEPS: checked); 1 if FREE; 0 if not wanted
-	bool self;           ///< the pair below is a self pair
+	bool self;           ///< `pair` is two links; false: a link and an object
 	lw_clearance pair;   ///< the deciding clearance at t: a = link, b = object or link; UNKNOWN if FREE or too long
-	double lower_bound;  ///< CERTIFIED and FREE: a proved lower bound of all clearances along the edge, > min_d; else 0. Of
-						 ///< all motions within the tolerance
+	/// CERTIFIED and FREE: a proved lower bound, > min_d, of all clearances along the edge and along all motions within the
+	/// tolerance. Otherwise 0.
+	double lower_bound;
 	uint32_t queries;    ///< states at which distances were measured
 } lw_edge_result;
 
@@ -312,15 +334,16 @@ enum
 };
 
 /// Checks a polynomial motion, a Bezier curve of the group's variables: q(t) = sum of C(n, i) t^i (1 - t)^(n - i) points[i],
-/// t in [0, 1], n the degree. Piecewise curves (splines, trajectories) are asked for piece by piece.
+/// t in [0, 1], n the degree. A piecewise curve (spline, trajectory) takes one call for each piece.
 /// Angles are plain numbers: a continuous joint turns as far as its control points say. Quaternions must be the same in all.
 /// @param points [degree + 1][lw_checker_variable_count()], finite; read during the call only
 /// @param degree 1 to LW_CURVE_MOST_DEGREE
 /// @param def as for lw_checker_edge(), CERTIFIED only
-/// @param out as for lw_checker_edge(). BLOCKED: the curve's own state at t. UNDECIDED: the clearance of `pair` is that at a
-/// state which differs from the curve's at t by less than slack / 8 of motion. `pair` UNKNOWN: too long
+/// @param out as for lw_checker_edge(). BLOCKED: the curve's own state at t has the violation. UNDECIDED: `pair` is measured at a
+/// state whose robot points are less than slack / 8 away from those of the curve's state at t
 /// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (verdict UNKNOWN)
-/// Cost: of an edge, more with the bend: 1.2 to 2.1 times that of the chord at 2 to 10 % (core/docs/lab/motions.md).
+/// Cost: that of an edge, and more the farther the curve is from its chord: at a distance of 2 to 10 % of the chord's length
+/// 1.2 to 2.1 times the cost of the chord (core/docs/lab/motions.md).
 /// Method: edges whose joints speed up and slow down; proof in core/docs/motions.md.
 LW_API lw_status lw_checker_curve( const lw_checker* checker, lw_query* query, const double* points, uint32_t degree,
 	const lw_edge_def* def, lw_edge_result* out );

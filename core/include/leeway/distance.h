@@ -18,6 +18,10 @@ typedef struct lw_range
 /// {0, +inf, 0}: the exact distance.
 LW_API lw_range lw_range_exact( void );
 
+/// {min_d, the next larger double, 0}: is the distance above min_d? It is measured until it is on one side of min_d: FAR if it
+/// is above, VIOLATION if it is not, UNDECIDED if rounding decides.
+LW_API lw_range lw_range_threshold( double min_d );
+
 /// Relation of an interval to the range of its query.
 typedef enum lw_clearance_class
 {
@@ -102,7 +106,6 @@ LW_API void lw_query_destroy( lw_query* query );
 LW_API void lw_query_reset( lw_query* query ); ///< drops warm starts: equal calls then give equal bits
 LW_API lw_query_stats lw_query_get_stats( const lw_query* query );
 LW_API void lw_query_reset_stats( lw_query* query );
-LW_API size_t lw_query_bytes( const lw_query* query );
 
 /// Distance of two shapes at given poses.
 /// @param range NULL = exact

@@ -81,12 +81,11 @@ LW_API lw_reach_info lw_reach_get_info( const lw_reach* reach );
 LW_API lw_reach* lw_reach_retain( const lw_reach* reach );
 LW_API void lw_reach_release( lw_reach* reach );
 LW_API const lw_robot* lw_reach_robot( const lw_reach* reach );
-LW_API size_t lw_reach_bytes( const lw_reach* reach );
 /// The range of a variable that this reach covers: its limits widened by limit_margin. Checkers ignore the reach for states
 /// outside.
 LW_API void lw_reach_variable_range( const lw_reach* reach, uint32_t variable, double* out_lower, double* out_upper );
 
-// Out-of-range indices return the conservative default: unbounded spheres, CHECK pairs, distances of 0, empty ranges.
+// Out-of-range indices return the conservative default: unbounded spheres, CHECK pairs, empty ranges.
 
 /// A sphere. radius < 0: empty; +inf: unbounded (a joint without limits).
 typedef struct lw_sphere
@@ -147,13 +146,6 @@ typedef struct lw_reach_pair
 LW_API lw_reach_pair lw_reach_get_pair( const lw_reach* reach, uint32_t link_a, uint32_t link_b );
 /// Writes the state at which `closest` was measured to q [variable_count]. False if there is none.
 LW_API bool lw_reach_closest_state( const lw_reach* reach, uint32_t link_a, uint32_t link_b, double* q );
-
-/// Equations (1) to (12) of the paper as distances in metres; the paper's truth value is "> 0". Each is a proved lower bound
-/// over all link pairs that the entry covers, in all states; +inf if it covers none that must be checked.
-LW_API double lw_reach_base( const lw_reach* reach, uint32_t link_i, uint32_t link_j );   ///< (1) R_i, R_j
-LW_API double lw_reach_rigid( const lw_reach* reach, uint32_t link_i, uint32_t link_j );  ///< (3) R_i, M_j
-LW_API double lw_reach_motion( const lw_reach* reach, uint32_t link_i, uint32_t link_j ); ///< (4) M_i, M_j
-LW_API double lw_reach_scfree( const lw_reach* reach, uint32_t link_i );                  ///< (12) inside MR_i
 
 LW_EXTERN_C_END
 

@@ -110,8 +110,6 @@ LW_API lw_status lw_robot_attach( const lw_robot* robot, const lw_attachment_def
 LW_API lw_status lw_robot_detach( const lw_robot* robot, const char* name, const lw_allocator* allocator, lw_diag* diag,
 	lw_robot** out_robot );
 LW_API bool lw_robot_is_attached( const lw_robot* robot, uint32_t link ); ///< true if lw_robot_attach() added the link
-/// The robot without any attached objects: itself if it has none. Owned by `robot`.
-LW_API const lw_robot* lw_robot_bare( const lw_robot* robot );
 
 LW_API lw_robot* lw_robot_retain( const lw_robot* robot );
 LW_API void lw_robot_release( lw_robot* robot );

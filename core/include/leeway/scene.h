@@ -68,13 +68,6 @@ LW_API const char* lw_scene_object_name( const lw_scene* scene, uint32_t object 
 LW_API uint32_t lw_scene_find_object( const lw_scene* scene, const char* name ); ///< LW_INVALID_INDEX if none
 LW_API lw_scene_shape_def lw_scene_shape( const lw_scene* scene, uint32_t index ); ///< the scene keeps the reference
 
-/// Distance of one shape to the nearest obstacle of the scene.
-/// @param out out->a is the triangle, point, sphere or box of `shape`, or LW_INVALID_INDEX; out->b is the object
-/// @return as lw_shape_distance(); LW_ERROR_UNSUPPORTED if `shape` is a half-space or plane; LW_ERROR_INVALID_ARGUMENT also
-/// if the query is too small for this scene
-LW_API lw_status lw_scene_distance( const lw_scene* scene, const lw_shape* shape, const lw_transform* world_from_shape,
-	const lw_range* range, lw_query* query, lw_clearance* out );
-
 LW_EXTERN_C_END
 
 #endif

@@ -190,11 +190,6 @@ LW_API const uint32_t* lw_shape_triangles( const lw_shape* shape );
 /// and planes, and if a deferred mesh cannot be made
 LW_API uint32_t lw_shape_level_spheres( const lw_shape* shape, uint32_t level, double* out_spheres, uint32_t capacity );
 
-/// Checks the tree's invariants: every node sphere contains all the geometry under it, every triangle is in a leaf.
-/// @return LW_OK; LW_ERROR_BAD_GEOMETRY with the first offending node in diag (a bug of this library);
-/// LW_ERROR_INVALID_ARGUMENT for NULL; LW_ERROR_OUT_OF_MEMORY (it allocates one mark per triangle)
-LW_API lw_status lw_shape_validate( const lw_shape* shape, lw_diag* diag );
-
 LW_EXTERN_C_END
 
 #endif

@@ -83,7 +83,7 @@ LW_API uint32_t lw_spheres_count( const lw_spheres* spheres );
 LW_API const double* lw_spheres_data( const lw_spheres* spheres );
 LW_API lw_spheres_report lw_spheres_get_report( const lw_spheres* spheres );
 
-/// Checks any spheres against a body: proves containment piece by piece and certifies the excess.
+/// Checks any spheres against a body: proves containment part by part and certifies the excess.
 /// @param spheres [count][4]: centre and radius (finite, >= 0), body frame
 /// @return LW_OK whether or not they enclose the body (see the report), LW_ERROR_INVALID_ARGUMENT, LW_ERROR_BAD_GEOMETRY
 /// (index: the sphere) or LW_ERROR_OUT_OF_MEMORY

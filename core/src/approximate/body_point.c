@@ -88,8 +88,8 @@ static uint32_t push_children( const lwi_node* node, lw_vec3 p, double limit, en
 	{
 		lw_vec3 c = lwi_v3( (double)node->x[lane], (double)node->y[lane], (double)node->z[lane] );
 		// the sphere contains the geometry; the rounding of this gap is subtracted
-		double apart = lwi_distance( p, c );
-		double gap = apart - (double)node->r[lane] - 8 * LWI_U64 * apart;
+		double center_distance = lwi_distance( p, c );
+		double gap = center_distance - (double)node->r[lane] - 8 * LWI_U64 * center_distance;
 		if ( gap >= limit )
 		{
 			continue;
@@ -105,9 +105,9 @@ static uint32_t push_children( const lwi_node* node, lw_vec3 p, double limit, en
 	return height;
 }
 
-/// @param enough the first triangle at or below it ends the search
+/// @param near_enough the first triangle at this distance or nearer ends the search
 /// @param group, of, inside triangles for which ( group[triangle] == of ) != inside are passed over; group NULL: none
-static lwi_nearest search( const lw_shape* shape, lw_vec3 p, double stop, double enough, bool certified,
+static lwi_nearest search( const lw_shape* shape, lw_vec3 p, double stop, double near_enough, bool certified,
 	const uint32_t* group, uint32_t of, bool inside )
 {
 	lwi_nearest best = { stop, LW_INVALID_INDEX, p };
@@ -138,7 +138,7 @@ static lwi_nearest search( const lw_shape* shape, lw_vec3 p, double stop, double
 				offer_triangle( shape, triangle, p, certified, &best );
 			}
 		}
-		if ( best.triangle != LW_INVALID_INDEX && best.distance <= enough )
+		if ( best.triangle != LW_INVALID_INDEX && best.distance <= near_enough )
 		{
 			return best;
 		}

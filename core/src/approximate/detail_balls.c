@@ -64,8 +64,8 @@ static double absorb( grid* g, const lw_shape* set, uint32_t item, double room )
 		{
 			uint32_t other = *link;
 			// those of other cells that share the bucket are as welcome
-			double apart = lwi_distance( center, lwi_load( set->vertices + 3 * (size_t)other ) );
-			double needed = apart + lwi_item_radius( set, other ) - radius;
+			double center_distance = lwi_distance( center, lwi_load( set->vertices + 3 * (size_t)other ) );
+			double needed = center_distance + lwi_item_radius( set, other ) - radius;
 			if ( other == item || needed <= room )
 			{
 				grown = other == item ? grown : fmax( grown, needed );

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The steps of enclosing a body with spheres: pieces to cover, candidates, cover, refinement, check. Each step fails as if
+// The steps of enclosing a body with spheres: fragments to cover, candidates, cover, refinement, check. Each step fails as if
 // memory had run out when the search is stopped (lwi_body_stopped()).
 #ifndef LEEWAY_APPROXIMATE_ENCLOSE_H
 #define LEEWAY_APPROXIMATE_ENCLOSE_H
@@ -10,15 +10,15 @@
 
 LW_EXTERN_C_BEGIN
 
-/// A piece of a triangle (or of a solid's inside): a sphere covers it if it contains its corners.
-typedef struct lwi_piece
+/// A fragment of a triangle (or of a solid's inside): a sphere covers it if it contains its corners.
+typedef struct lwi_fragment
 {
 	lw_vec3 corner[3];
 	lw_vec3 center;
 	double size;     ///< from the centre to the farthest corner
 	double dilation;
 	double weight;   ///< weight in the cover: its area
-} lwi_piece;
+} lwi_fragment;
 
 /// A centre, and how deep it lies: a sphere about it of radius r has an excess of at most r - depth.
 typedef struct lwi_site
@@ -27,37 +27,37 @@ typedef struct lwi_site
 	double depth;
 } lwi_site;
 
-/// A k-d tree over the centres of pieces.
-typedef struct lwi_piece_tree
+/// A k-d tree over the centres of fragments.
+typedef struct lwi_fragment_tree
 {
-	lwi_piece* pieces; ///< [count], reordered
+	lwi_fragment* fragments; ///< [count], reordered
 	uint32_t count;
-	struct lwi_piece_node* nodes;
+	struct lwi_fragment_node* nodes;
 	uint32_t node_count;
-} lwi_piece_tree;
+} lwi_fragment_tree;
 
-/// Pieces so small, and sites so many, that each piece is covered by the sphere of some site with the wanted excess.
-/// pieces: lwi_piece; sites: lwi_site. Some site covers each piece.
-lw_status lwi_enclose_pieces( lwi_body* body, double excess, lwi_array* pieces, lwi_array* sites, lw_diag* diag );
+/// Fragments so small, and sites so many, that each fragment is covered by the sphere of some site with the wanted excess.
+/// fragments: lwi_fragment; sites: lwi_site. Some site covers each fragment.
+lw_status lwi_enclose_fragments( lwi_body* body, double excess, lwi_array* fragments, lwi_array* sites, lw_diag* diag );
 
-/// Reorders the pieces. @return false if out of memory
-bool lwi_piece_tree_create( lwi_piece* pieces, uint32_t count, const lw_allocator* memory, lwi_piece_tree* out );
-void lwi_piece_tree_free( lwi_piece_tree* tree, const lw_allocator* memory );
-/// Indices of all pieces that the sphere covers, into `out` (uint32_t, emptied first). @return false if out of memory
-bool lwi_piece_tree_covered( const lwi_piece_tree* tree, lw_vec3 center, double radius, const lw_allocator* memory,
+/// Reorders the fragments. @return false if out of memory
+bool lwi_fragment_tree_create( lwi_fragment* fragments, uint32_t count, const lw_allocator* memory, lwi_fragment_tree* out );
+void lwi_fragment_tree_free( lwi_fragment_tree* tree, const lw_allocator* memory );
+/// Indices of all fragments that the sphere covers, into `out` (uint32_t, emptied first). @return false if out of memory
+bool lwi_fragment_tree_covered( const lwi_fragment_tree* tree, lw_vec3 center, double radius, const lw_allocator* memory,
 	lwi_array* out );
-/// Farthest point of a piece from a centre, dilation included.
-double lwi_piece_reach( const lwi_piece* piece, lw_vec3 center );
+/// Farthest point of a fragment from a centre, dilation included.
+double lwi_fragment_reach( const lwi_fragment* fragment, lw_vec3 center );
 
-/// Few of the sites whose spheres of the given excess cover all pieces, into `chosen` (lwi_site).
-lw_status lwi_enclose_cover( lwi_body* body, const lwi_piece_tree* tree, const lwi_site* sites, size_t site_count,
+/// Few of the sites whose spheres of the given excess cover all fragments, into `chosen` (lwi_site).
+lw_status lwi_enclose_cover( lwi_body* body, const lwi_fragment_tree* tree, const lwi_site* sites, size_t site_count,
 	double excess, lwi_array* chosen );
 
 /// Moves the sites so that the excess they need becomes small. @return that excess (the larger of all), or -1: out of memory
-double lwi_enclose_refine( lwi_body* body, const lwi_piece_tree* tree, lwi_array* chosen, double excess, uint32_t rounds );
+double lwi_enclose_refine( lwi_body* body, const lwi_fragment_tree* tree, lwi_array* chosen, double excess, uint32_t rounds );
 
-/// The spheres (double[4], appended) that the sites need for the pieces nearest to them, larger by margin.
-bool lwi_enclose_spheres( lwi_body* body, const lwi_piece_tree* tree, lwi_array* chosen, double excess, double margin,
+/// The spheres (double[4], appended) that the sites need for the fragments nearest to them, larger by margin.
+bool lwi_enclose_spheres( lwi_body* body, const lwi_fragment_tree* tree, lwi_array* chosen, double excess, double margin,
 	lwi_array* spheres );
 
 /// Walks through the inside of the solids of a body whose surface is covered with at least this margin. With excess > 0 a

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Judges spheres against a body, whoever made them: is everything in them, and how far do they reach beyond it?
 //
-// Nothing of the search is trusted here. A triangle is in the spheres if it can be cut into pieces that are each in one
-// sphere (balls are convex: a piece is in one if its corners are). Derivations: core/docs/detail.md.
+// Nothing of the search is trusted here. A triangle is in the spheres if it can be cut into fragments that are each in one
+// sphere (balls are convex: a fragment is in one if its corners are). Derivations: core/docs/detail.md.
 #include "approximate/enclose.h"
 
 #include "base/math_inline.h"
@@ -13,7 +13,7 @@ enum
 	MAX_CUTS = 48 ///< of one triangle; each three halve its size
 };
 
-/// Pieces below this share of the body may fail their proof without being reported as uncovered.
+/// Fragments below this share of the body may fail their proof without being reported as uncovered.
 #define FINEST 1e-8
 /// Once something is uncovered only its extent is of interest.
 #define COARSEST 0.01
@@ -54,7 +54,7 @@ static void note_uncovered( checker* c, lw_vec3 p, double gap )
 	c->report->encloses = false;
 }
 
-static bool piece_covered( const checker* c, const lw_vec3 v[3], double dilation )
+static bool fragment_covered( const checker* c, const lw_vec3 v[3], double dilation )
 {
 	const uint32_t* list = c->list.data;
 	for ( size_t i = 0; i < c->list.count; ++i )
@@ -71,8 +71,8 @@ static bool piece_covered( const checker* c, const lw_vec3 v[3], double dilation
 	return false;
 }
 
-/// Of the part of a thick piece that is on the side of a plane, the farthest point from a centre on that side: `share` from
-/// the centre, with normal n away from it. INFINITY if the piece is not wholly beyond the centre.
+/// Of the part of a thick fragment that is on the side of a plane, the farthest point from a centre on that side: `share` from
+/// the centre, with normal n away from it. INFINITY if the fragment is not wholly beyond the centre.
 static double half_reach( const lw_vec3 v[3], double dilation, lw_vec3 center, lw_vec3 n, double share )
 {
 	double low = INFINITY, high = -INFINITY, aside = 0;
@@ -88,8 +88,8 @@ static double half_reach( const lw_vec3 v[3], double dilation, lw_vec3 center, l
 	return low >= 0 ? sqrt( fmax( 2 * a * share - a * a, 0 ) + ( aside + dilation ) * ( aside + dilation ) ) : INFINITY;
 }
 
-/// A thick piece between two spheres, each of which contains the part on its side of the plane of their intersection.
-static bool piece_shared( const checker* c, const lw_vec3 v[3], double dilation )
+/// A thick fragment between two spheres, each of which contains the part on its side of the plane of their intersection.
+static bool fragment_shared( const checker* c, const lw_vec3 v[3], double dilation )
 {
 	const uint32_t* list = c->list.data;
 	lw_vec3 middle = lwi_scale( 1.0 / 3, lwi_add( lwi_add( v[0], v[1] ), v[2] ) );
@@ -106,15 +106,15 @@ static bool piece_shared( const checker* c, const lw_vec3 v[3], double dilation 
 	{
 		const double* b = c->spheres + 4 * (size_t)list[i];
 		lw_vec3 d = lwi_sub( lwi_load( b ), lwi_load( a ) );
-		double apart = lwi_length( d );
-		if ( !( apart > 0 ) || apart >= a[3] + b[3] )
+		double center_distance = lwi_length( d );
+		if ( !( center_distance > 0 ) || center_distance >= a[3] + b[3] )
 		{
 			continue;
 		}
-		lw_vec3 n = lwi_scale( 1 / apart, d );
-		double share = 0.5 * ( apart + ( a[3] - b[3] ) / apart * ( a[3] + b[3] ) );
+		lw_vec3 n = lwi_scale( 1 / center_distance, d );
+		double share = 0.5 * ( center_distance + ( a[3] - b[3] ) / center_distance * ( a[3] + b[3] ) );
 		if ( half_reach( v, dilation, lwi_load( a ), n, share ) <= a[3] - c->slack &&
-			 half_reach( v, dilation, lwi_load( b ), lwi_scale( -1, n ), apart - share ) <= b[3] - c->slack )
+			 half_reach( v, dilation, lwi_load( b ), lwi_scale( -1, n ), center_distance - share ) <= b[3] - c->slack )
 		{
 			return true;
 		}
@@ -141,7 +141,7 @@ static bool check_triangle( lwi_body* body, checker* c, const lw_vec3 triangle[3
 		}
 		--height;
 		lw_vec3 v[3] = { stack[height].v[0], stack[height].v[1], stack[height].v[2] };
-		if ( piece_covered( c, v, dilation ) || piece_shared( c, v, dilation ) )
+		if ( fragment_covered( c, v, dilation ) || fragment_shared( c, v, dilation ) )
 		{
 			continue;
 		}
@@ -157,7 +157,7 @@ static bool check_triangle( lwi_body* body, checker* c, const lw_vec3 triangle[3
 		double gap = gap_of( c, c->list.data, c->list.count, center, dilation );
 		gap = gap < INFINITY ? gap : gap_of( c, NULL, c->count, center, dilation );
 		const lw_vec3 point[3] = { center, center, center };
-		if ( gap > 0 && piece_shared( c, point, dilation ) )
+		if ( gap > 0 && fragment_shared( c, point, dilation ) )
 		{
 			gap = 0;
 		}
@@ -166,7 +166,7 @@ static bool check_triangle( lwi_body* body, checker* c, const lw_vec3 triangle[3
 		{
 			note_uncovered( c, center, gap );
 		}
-		// no point of the piece is farther than that from its centre
+		// no point of the fragment is farther than that from its centre
 		if ( fine || ( !c->report->encloses && gap + longest <= c->report->uncovered ) )
 		{
 			continue;

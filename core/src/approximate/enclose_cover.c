@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Chooses few spheres that cover all pieces: greedy set cover over a k-d tree, then removal of superfluous ones.
+// Chooses few spheres that cover all fragments: greedy set cover over a k-d tree, then removal of superfluous ones.
 //
 // Chvatal, "A greedy heuristic for the set-covering problem", 1979 (within ln n of the fewest); Minoux, "Accelerated greedy
 //   algorithms for maximizing submodular set functions", 1978 (gains only fall, so most need no second look); Bentley,
@@ -19,43 +19,43 @@ enum
 /// Sites nearer to each other than this share of the patch they cover are as good as one: the deepest is kept.
 #define SITE_SHARE 0.2
 
-typedef struct lwi_piece_node
+typedef struct lwi_fragment_node
 {
-	lw_vec3 center; ///< of the box of the pieces' centres
-	double radius;  ///< from there to the farthest corner of any piece, dilation included
+	lw_vec3 center; ///< of the box of the fragments' centres
+	double radius;  ///< from there to the farthest corner of any fragment, dilation included
 	uint32_t first, count;
 	uint32_t right; ///< second child; the first follows its parent. 0: a leaf
-} lwi_piece_node;
+} lwi_fragment_node;
 
-double lwi_piece_reach( const lwi_piece* piece, lw_vec3 center )
+double lwi_fragment_reach( const lwi_fragment* fragment, lw_vec3 center )
 {
-	double a = lwi_length_sq( lwi_sub( piece->corner[0], center ) );
-	double b = lwi_length_sq( lwi_sub( piece->corner[1], center ) );
-	double c = lwi_length_sq( lwi_sub( piece->corner[2], center ) );
+	double a = lwi_length_sq( lwi_sub( fragment->corner[0], center ) );
+	double b = lwi_length_sq( lwi_sub( fragment->corner[1], center ) );
+	double c = lwi_length_sq( lwi_sub( fragment->corner[2], center ) );
 	double most = a > b ? a : b; // fmax would be a call here
-	return sqrt( most > c ? most : c ) + piece->dilation;
+	return sqrt( most > c ? most : c ) + fragment->dilation;
 }
 
-static double coordinate( const lwi_piece* piece, int axis )
+static double coordinate( const lwi_fragment* fragment, int axis )
 {
-	return axis == 0 ? piece->center.x : axis == 1 ? piece->center.y : piece->center.z;
+	return axis == 0 ? fragment->center.x : axis == 1 ? fragment->center.y : fragment->center.z;
 }
 
-/// Quickselect (Hoare 1961): the first `half` pieces are those with the smaller coordinates.
-static void select_half( lwi_piece* pieces, uint32_t count, uint32_t half, int axis )
+/// Quickselect (Hoare 1961): the first `half` fragments are those with the smaller coordinates.
+static void select_half( lwi_fragment* fragments, uint32_t count, uint32_t half, int axis )
 {
 	uint32_t low = 0, high = count - 1;
 	while ( low < high )
 	{
-		double pivot = coordinate( &pieces[low + ( high - low ) / 2], axis );
+		double pivot = coordinate( &fragments[low + ( high - low ) / 2], axis );
 		uint32_t i = low, j = high;
 		for ( ;; )
 		{
-			while ( coordinate( &pieces[i], axis ) < pivot )
+			while ( coordinate( &fragments[i], axis ) < pivot )
 			{
 				++i;
 			}
-			while ( coordinate( &pieces[j], axis ) > pivot )
+			while ( coordinate( &fragments[j], axis ) > pivot )
 			{
 				--j;
 			}
@@ -63,9 +63,9 @@ static void select_half( lwi_piece* pieces, uint32_t count, uint32_t half, int a
 			{
 				break;
 			}
-			lwi_piece swap = pieces[i];
-			pieces[i++] = pieces[j];
-			pieces[j--] = swap;
+			lwi_fragment swap = fragments[i];
+			fragments[i++] = fragments[j];
+			fragments[j--] = swap;
 		}
 		if ( half <= j )
 		{
@@ -78,14 +78,14 @@ static void select_half( lwi_piece* pieces, uint32_t count, uint32_t half, int a
 	}
 }
 
-static void set_bounds( lwi_piece_node* node, const lwi_piece* pieces, int* widest )
+static void set_bounds( lwi_fragment_node* node, const lwi_fragment* fragments, int* widest )
 {
 	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
 	for ( uint32_t i = 0; i < node->count; ++i )
 	{
 		for ( int k = 0; k < 3; ++k )
 		{
-			double v = coordinate( &pieces[node->first + i], k );
+			double v = coordinate( &fragments[node->first + i], k );
 			low[k] = fmin( low[k], v );
 			high[k] = fmax( high[k], v );
 		}
@@ -94,8 +94,8 @@ static void set_bounds( lwi_piece_node* node, const lwi_piece* pieces, int* wide
 	node->radius = 0;
 	for ( uint32_t i = 0; i < node->count; ++i )
 	{
-		const lwi_piece* piece = &pieces[node->first + i];
-		node->radius = fmax( node->radius, lwi_distance( piece->center, node->center ) + piece->size + piece->dilation );
+		const lwi_fragment* fragment = &fragments[node->first + i];
+		node->radius = fmax( node->radius, lwi_distance( fragment->center, node->center ) + fragment->size + fragment->dilation );
 	}
 	*widest = 0;
 	for ( int k = 1; k < 3; ++k )
@@ -104,17 +104,17 @@ static void set_bounds( lwi_piece_node* node, const lwi_piece* pieces, int* wide
 	}
 }
 
-static uint32_t build_node( lwi_piece_tree* tree, uint32_t first, uint32_t count )
+static uint32_t build_node( lwi_fragment_tree* tree, uint32_t first, uint32_t count )
 {
 	uint32_t index = tree->node_count++;
-	lwi_piece_node* node = &tree->nodes[index];
-	*node = (lwi_piece_node){ .first = first, .count = count };
+	lwi_fragment_node* node = &tree->nodes[index];
+	*node = (lwi_fragment_node){ .first = first, .count = count };
 	int axis;
-	set_bounds( node, tree->pieces, &axis );
+	set_bounds( node, tree->fragments, &axis );
 	if ( count > LEAF_PIECES )
 	{
 		// halves: the depth is that of a balanced tree, below MAX_TREE_DEPTH for any 32-bit count
-		select_half( tree->pieces + first, count, count / 2, axis );
+		select_half( tree->fragments + first, count, count / 2, axis );
 		build_node( tree, first, count / 2 );
 		uint32_t right = build_node( tree, first + count / 2, count - count / 2 );
 		tree->nodes[index].right = right;
@@ -122,10 +122,10 @@ static uint32_t build_node( lwi_piece_tree* tree, uint32_t first, uint32_t count
 	return index;
 }
 
-bool lwi_piece_tree_create( lwi_piece* pieces, uint32_t count, const lw_allocator* memory, lwi_piece_tree* out )
+bool lwi_fragment_tree_create( lwi_fragment* fragments, uint32_t count, const lw_allocator* memory, lwi_fragment_tree* out )
 {
-	*out = (lwi_piece_tree){ .pieces = pieces, .count = count };
-	out->nodes = lwi_alloc( memory, ( 2 * (size_t)count + 1 ) * sizeof( lwi_piece_node ) );
+	*out = (lwi_fragment_tree){ .fragments = fragments, .count = count };
+	out->nodes = lwi_alloc( memory, ( 2 * (size_t)count + 1 ) * sizeof( lwi_fragment_node ) );
 	if ( out->nodes == NULL )
 	{
 		return false;
@@ -134,14 +134,14 @@ bool lwi_piece_tree_create( lwi_piece* pieces, uint32_t count, const lw_allocato
 	return true;
 }
 
-void lwi_piece_tree_free( lwi_piece_tree* tree, const lw_allocator* memory )
+void lwi_fragment_tree_free( lwi_fragment_tree* tree, const lw_allocator* memory )
 {
-	lwi_free( memory, tree->nodes, ( 2 * (size_t)tree->count + 1 ) * sizeof( lwi_piece_node ) );
+	lwi_free( memory, tree->nodes, ( 2 * (size_t)tree->count + 1 ) * sizeof( lwi_fragment_node ) );
 	tree->nodes = NULL;
 }
 
-bool lwi_piece_tree_covered(
-	const lwi_piece_tree* tree, lw_vec3 center, double radius, const lw_allocator* memory, lwi_array* out )
+bool lwi_fragment_tree_covered(
+	const lwi_fragment_tree* tree, lw_vec3 center, double radius, const lw_allocator* memory, lwi_array* out )
 {
 	out->count = 0;
 	uint32_t stack[MAX_TREE_DEPTH + 1], height = 1;
@@ -149,13 +149,13 @@ bool lwi_piece_tree_covered(
 	while ( height > 0 )
 	{
 		uint32_t index = stack[--height];
-		const lwi_piece_node* node = &tree->nodes[index];
-		double apart = lwi_distance( node->center, center );
-		if ( apart > radius + node->radius )
+		const lwi_fragment_node* node = &tree->nodes[index];
+		double center_distance = lwi_distance( node->center, center );
+		if ( center_distance > radius + node->radius )
 		{
 			continue;
 		}
-		bool all = apart + node->radius <= radius;
+		bool all = center_distance + node->radius <= radius;
 		if ( !all && node->right != 0 )
 		{
 			stack[height++] = node->right;
@@ -169,7 +169,7 @@ bool lwi_piece_tree_covered(
 		uint32_t* found = out->data;
 		for ( uint32_t i = node->first; i < node->first + node->count; ++i )
 		{
-			if ( all || lwi_piece_reach( &tree->pieces[i], center ) <= radius )
+			if ( all || lwi_fragment_reach( &tree->fragments[i], center ) <= radius )
 			{
 				found[out->count++] = i;
 			}
@@ -243,17 +243,17 @@ typedef struct gain
 
 typedef struct cover
 {
-	const lwi_piece_tree* tree;
+	const lwi_fragment_tree* tree;
 	const lwi_site* sites;
 	double excess;
 	lwi_body* body; ///< its stop function ends the search
 	const lw_allocator* memory;
-	uint32_t* times;  ///< [piece]: how many chosen spheres cover it
-	size_t left;      ///< pieces that none covers
+	uint32_t* times;  ///< [fragment]: how many chosen spheres cover it
+	size_t left;      ///< fragments that none covers
 	gain* heap;       ///< the largest first; gain.site is a place in the candidates
 	size_t heap_count;
-	lwi_array begin;  ///< size_t: where the pieces of each candidate begin
-	lwi_array covered; ///< uint32_t: pieces, candidate by candidate
+	lwi_array begin;  ///< size_t: where the fragments of each candidate begin
+	lwi_array covered; ///< uint32_t: fragments, candidate by candidate
 	lwi_array picked; ///< uint32_t: candidates chosen
 	lwi_array found;  ///< scratch
 } cover;
@@ -269,7 +269,7 @@ static inline bool before( gain a, gain b )
 #define BEFORE( a, b ) before( a, b )
 #include "base/heap_impl.h"
 
-static const uint32_t* pieces_of( const cover* c, uint32_t candidate, size_t* count )
+static const uint32_t* fragments_of( const cover* c, uint32_t candidate, size_t* count )
 {
 	const size_t* begin = c->begin.data;
 	*count = begin[candidate + 1] - begin[candidate];
@@ -279,16 +279,16 @@ static const uint32_t* pieces_of( const cover* c, uint32_t candidate, size_t* co
 static double value_of( const cover* c, uint32_t candidate )
 {
 	size_t count;
-	const uint32_t* pieces = pieces_of( c, candidate, &count );
+	const uint32_t* fragments = fragments_of( c, candidate, &count );
 	double value = 0;
 	for ( size_t i = 0; i < count; ++i )
 	{
-		value += c->times[pieces[i]] == 0 ? c->tree->pieces[pieces[i]].weight : 0;
+		value += c->times[fragments[i]] == 0 ? c->tree->fragments[fragments[i]].weight : 0;
 	}
 	return value;
 }
 
-/// Computes the pieces that each candidate covers, and makes the heap.
+/// Computes the fragments that each candidate covers, and makes the heap.
 static bool make_heap( cover* c, const uint32_t* candidates, size_t count )
 {
 	c->covered.count = c->begin.count = c->heap_count = 0;
@@ -296,7 +296,8 @@ static bool make_heap( cover* c, const uint32_t* candidates, size_t count )
 	for ( size_t i = 0; ok && i < count; ++i )
 	{
 		const lwi_site* site = &c->sites[candidates[i]];
-		ok = !lwi_body_stopped( c->body ) && lwi_piece_tree_covered( c->tree, site->center, site->depth + c->excess, c->memory, &c->found ) &&
+		ok = !lwi_body_stopped( c->body ) &&
+			 lwi_fragment_tree_covered( c->tree, site->center, site->depth + c->excess, c->memory, &c->found ) &&
 			 lwi_array_reserve( &c->covered, c->memory, sizeof( uint32_t ), c->found.count );
 		if ( ok && c->found.count > 0 )
 		{
@@ -330,10 +331,10 @@ static bool choose( cover* c )
 		if ( !stale && value > 0 )
 		{
 			size_t count;
-			const uint32_t* pieces = pieces_of( c, top->site, &count );
+			const uint32_t* fragments = fragments_of( c, top->site, &count );
 			for ( size_t i = 0; i < count; ++i )
 			{
-				c->left -= c->times[pieces[i]]++ == 0 ? 1 : 0;
+				c->left -= c->times[fragments[i]]++ == 0 ? 1 : 0;
 			}
 			if ( !lwi_array_push( &c->picked, c->memory, sizeof( uint32_t ), &top->site ) )
 			{
@@ -349,22 +350,22 @@ static bool choose( cover* c )
 	return true;
 }
 
-/// Drops chosen candidates whose pieces are all covered by others, the last chosen (the least worth) first.
+/// Drops chosen candidates whose fragments are all covered by others, the last chosen (the least worth) first.
 static void drop_superfluous( cover* c )
 {
 	uint32_t* picked = c->picked.data;
 	for ( size_t i = c->picked.count; i-- > 0; )
 	{
 		size_t count;
-		const uint32_t* pieces = pieces_of( c, picked[i], &count );
+		const uint32_t* fragments = fragments_of( c, picked[i], &count );
 		bool needed = false;
 		for ( size_t k = 0; k < count && !needed; ++k )
 		{
-			needed = c->times[pieces[k]] == 1;
+			needed = c->times[fragments[k]] == 1;
 		}
 		for ( size_t k = 0; k < count && !needed; ++k )
 		{
-			--c->times[pieces[k]];
+			--c->times[fragments[k]];
 		}
 		if ( !needed )
 		{
@@ -374,7 +375,7 @@ static void drop_superfluous( cover* c )
 	}
 }
 
-/// Covers the open pieces with some of the candidates; appends the chosen ones to `chosen`.
+/// Covers the open fragments with some of the candidates; appends the chosen ones to `chosen`.
 static bool cover_with( cover* c, const uint32_t* candidates, size_t count, lwi_array* chosen )
 {
 	if ( !make_heap( c, candidates, count ) || !choose( c ) )
@@ -390,7 +391,7 @@ static bool cover_with( cover* c, const uint32_t* candidates, size_t count, lwi_
 	return ok;
 }
 
-lw_status lwi_enclose_cover( lwi_body* body, const lwi_piece_tree* tree, const lwi_site* sites, size_t site_count,
+lw_status lwi_enclose_cover( lwi_body* body, const lwi_fragment_tree* tree, const lwi_site* sites, size_t site_count,
 	double excess, lwi_array* chosen )
 {
 	const lw_allocator* memory = &body->memory;
@@ -402,7 +403,7 @@ lw_status lwi_enclose_cover( lwi_body* body, const lwi_piece_tree* tree, const l
 			  cover_with( &c, kept.data, kept.count, chosen );
 	if ( ok && c.left > 0 )
 	{
-		// pieces that the thinned sites leave open are covered by all sites: for each piece there is one
+		// fragments that the thinned sites leave open are covered by all sites: for each fragment there is one
 		kept.count = 0;
 		ok = lwi_array_reserve( &kept, memory, sizeof( uint32_t ), site_count );
 		for ( size_t i = 0; ok && i < site_count; ++i )

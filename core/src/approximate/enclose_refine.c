@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Moves spheres so that the largest excess falls: pieces go to the sphere that needs least for them, spheres to where they
-// need least for their pieces, and again.
+// Moves spheres so that the largest excess falls: fragments go to the sphere that needs least for them, spheres to where they
+// need least for their fragments, and again.
 //
 // Lloyd, "Least squares quantization in PCM", 1982; Wang, Zhou, Snyder, Liu, Bao, Peng, Guo, "Variational sphere set
 //   approximation for solid objects", 2006 (Lloyd's iteration for spheres around a solid; here it minimises the
@@ -16,36 +16,36 @@
 typedef struct refiner
 {
 	lwi_body* body;
-	const lwi_piece_tree* tree;
+	const lwi_fragment_tree* tree;
 	lwi_site* sites;
 	size_t site_count;
-	uint32_t* owner;  ///< [piece]: site
-	double* need;     ///< [piece]: excess of the owner for it
-	uint32_t* order;  ///< [piece]: pieces by owner
+	uint32_t* owner;  ///< [fragment]: site
+	double* need;     ///< [fragment]: excess of the owner for it
+	uint32_t* order;  ///< [fragment]: fragments by owner
 	uint32_t* start;  ///< [site + 1] into order
-	double* worst;    ///< [site]: excess it needs for its pieces
+	double* worst;    ///< [site]: excess it needs for its fragments
 	lwi_array found;
 } refiner;
 
-/// Gives an owner to a piece that no site reaches with the current excess. Never seen, but a piece without a sphere must not
+/// Gives an owner to a fragment that no site reaches with the current excess. Never seen, but a fragment without a sphere must not
 /// be.
-static void adopt( refiner* r, uint32_t piece )
+static void adopt( refiner* r, uint32_t fragment )
 {
 	for ( size_t i = 0; i < r->site_count; ++i )
 	{
-		double need = lwi_piece_reach( &r->tree->pieces[piece], r->sites[i].center ) - r->sites[i].depth;
-		if ( need < r->need[piece] )
+		double need = lwi_fragment_reach( &r->tree->fragments[fragment], r->sites[i].center ) - r->sites[i].depth;
+		if ( need < r->need[fragment] )
 		{
-			r->need[piece] = need;
-			r->owner[piece] = (uint32_t)i;
+			r->need[fragment] = need;
+			r->owner[fragment] = (uint32_t)i;
 		}
 	}
 }
 
-/// Gives each piece to the site that needs the least excess for it. Visits sites as far away as `excess` allows.
+/// Gives each fragment to the site that needs the least excess for it. Visits sites as far away as `excess` allows.
 static bool assign( refiner* r, double excess )
 {
-	const lwi_piece_tree* tree = r->tree;
+	const lwi_fragment_tree* tree = r->tree;
 	for ( uint32_t p = 0; p < tree->count; ++p )
 	{
 		r->owner[p] = LW_INVALID_INDEX;
@@ -58,15 +58,15 @@ static bool assign( refiner* r, double excess )
 			return false;
 		}
 		const lwi_site* site = &r->sites[i];
-		double radius = site->depth + excess + r->body->slack; // a piece exactly at the limit must not slip out
-		if ( !lwi_piece_tree_covered( tree, site->center, radius, &r->body->memory, &r->found ) )
+		double radius = site->depth + excess + r->body->slack; // a fragment exactly at the limit must not slip out
+		if ( !lwi_fragment_tree_covered( tree, site->center, radius, &r->body->memory, &r->found ) )
 		{
 			return false;
 		}
 		const uint32_t* found = r->found.data;
 		for ( size_t k = 0; k < r->found.count; ++k )
 		{
-			double need = lwi_piece_reach( &tree->pieces[found[k]], site->center ) - site->depth;
+			double need = lwi_fragment_reach( &tree->fragments[found[k]], site->center ) - site->depth;
 			if ( need < r->need[found[k]] )
 			{
 				r->need[found[k]] = need;
@@ -100,7 +100,7 @@ static bool assign( refiner* r, double excess )
 	return true;
 }
 
-/// Pieces of a site after assign(): start[i + 1] is its begin, and its end the begin of the next.
+/// Fragments of a site after assign(): start[i + 1] is its begin, and its end the begin of the next.
 static size_t begin_of( const refiner* r, size_t site )
 {
 	return r->start[site + 1];
@@ -116,12 +116,12 @@ static double reach_of( const refiner* r, size_t site, lw_vec3 center )
 	double reach = 0;
 	for ( size_t k = begin_of( r, site ); k < end_of( r, site ); ++k )
 	{
-		reach = fmax( reach, lwi_piece_reach( &r->tree->pieces[r->order[k]], center ) );
+		reach = fmax( reach, lwi_fragment_reach( &r->tree->fragments[r->order[k]], center ) );
 	}
 	return reach;
 }
 
-/// Moves one site to where it needs less for its pieces, by steps along the axes and diagonals.
+/// Moves one site to where it needs less for its fragments, by steps along the axes and diagonals.
 static void move_site( refiner* r, size_t site, double excess )
 {
 	static const double directions[14][3] = { { 1, 0, 0 }, { -1, 0, 0 }, { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0, 1 }, { 0, 0,
@@ -169,14 +169,14 @@ static double largest( const refiner* r )
 	return most;
 }
 
-static bool make_refiner( refiner* r, lwi_body* body, const lwi_piece_tree* tree, lwi_array* sites )
+static bool make_refiner( refiner* r, lwi_body* body, const lwi_fragment_tree* tree, lwi_array* sites )
 {
 	const lw_allocator* memory = &body->memory;
-	size_t pieces = tree->count, count = sites->count;
+	size_t fragments = tree->count, count = sites->count;
 	*r = (refiner){ .body = body, .tree = tree, .sites = sites->data, .site_count = count };
-	r->owner = lwi_alloc( memory, pieces * sizeof( uint32_t ) );
-	r->need = lwi_alloc( memory, pieces * sizeof( double ) );
-	r->order = lwi_alloc( memory, pieces * sizeof( uint32_t ) );
+	r->owner = lwi_alloc( memory, fragments * sizeof( uint32_t ) );
+	r->need = lwi_alloc( memory, fragments * sizeof( double ) );
+	r->order = lwi_alloc( memory, fragments * sizeof( uint32_t ) );
 	r->start = lwi_alloc( memory, ( count + 1 ) * sizeof( uint32_t ) );
 	r->worst = lwi_alloc( memory, count * sizeof( double ) );
 	return r->owner != NULL && r->need != NULL && r->order != NULL && r->start != NULL && r->worst != NULL;
@@ -185,16 +185,16 @@ static bool make_refiner( refiner* r, lwi_body* body, const lwi_piece_tree* tree
 static void free_refiner( refiner* r )
 {
 	const lw_allocator* memory = &r->body->memory;
-	size_t pieces = r->tree->count, count = r->site_count;
+	size_t fragments = r->tree->count, count = r->site_count;
 	lwi_array_free( &r->found, memory, sizeof( uint32_t ) );
-	lwi_free( memory, r->owner, pieces * sizeof( uint32_t ) );
-	lwi_free( memory, r->need, pieces * sizeof( double ) );
-	lwi_free( memory, r->order, pieces * sizeof( uint32_t ) );
+	lwi_free( memory, r->owner, fragments * sizeof( uint32_t ) );
+	lwi_free( memory, r->need, fragments * sizeof( double ) );
+	lwi_free( memory, r->order, fragments * sizeof( uint32_t ) );
 	lwi_free( memory, r->start, ( count + 1 ) * sizeof( uint32_t ) );
 	lwi_free( memory, r->worst, count * sizeof( double ) );
 }
 
-double lwi_enclose_refine( lwi_body* body, const lwi_piece_tree* tree, lwi_array* chosen, double excess, uint32_t rounds )
+double lwi_enclose_refine( lwi_body* body, const lwi_fragment_tree* tree, lwi_array* chosen, double excess, uint32_t rounds )
 {
 	refiner r;
 	bool ok = make_refiner( &r, body, tree, chosen ) && assign( &r, excess );
@@ -209,7 +209,7 @@ double lwi_enclose_refine( lwi_body* body, const lwi_piece_tree* tree, lwi_array
 				move_site( &r, i, now );
 			}
 		}
-		// each piece is still within the excess of its own site: a search no farther than that loses nothing
+		// each fragment is still within the excess of its own site: a search no farther than that loses nothing
 		ok = assign( &r, largest( &r ) );
 		now = ok ? largest( &r ) : -1;
 	}
@@ -217,7 +217,7 @@ double lwi_enclose_refine( lwi_body* body, const lwi_piece_tree* tree, lwi_array
 	return now;
 }
 
-bool lwi_enclose_spheres( lwi_body* body, const lwi_piece_tree* tree, lwi_array* chosen, double excess, double margin,
+bool lwi_enclose_spheres( lwi_body* body, const lwi_fragment_tree* tree, lwi_array* chosen, double excess, double margin,
 	lwi_array* spheres )
 {
 	refiner r;

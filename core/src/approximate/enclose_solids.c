@@ -85,14 +85,14 @@ static int visit( solid_walk* w, const cell* c, size_t first, int halvings )
 	for ( size_t i = first; i < mine; ++i )
 	{
 		const double* s = w->spheres + 4 * (size_t)list[i];
-		double apart = lwi_distance( middle, lwi_load( s ) );
-		if ( apart <= s[3] && contains( s, corner, w->body->slack ) )
+		double center_distance = lwi_distance( middle, lwi_load( s ) );
+		if ( center_distance <= s[3] && contains( s, corner, w->body->slack ) )
 		{
 			w->lists.count = mine;
 			return 1;
 		}
-		inside = inside || apart <= s[3];
-		if ( apart <= ( s[3] + radius ) * ( 1 + 1e-9 ) )
+		inside = inside || center_distance <= s[3];
+		if ( center_distance <= ( s[3] + radius ) * ( 1 + 1e-9 ) )
 		{
 			list[w->lists.count++] = list[i];
 		}

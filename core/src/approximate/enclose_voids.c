@@ -83,13 +83,13 @@ static bool visit( walk* w, lw_vec3 c, double half, size_t first, int depth )
 		bool listed = i < mine - first;
 		size_t index = listed ? ( (const uint32_t*)w->lists.data )[first + i] : w->given + ( i - ( mine - first ) );
 		const double* s = sphere_at( w, index );
-		double apart = lwi_distance( c, lwi_load( s ) );
-		if ( apart + radius <= s[3] )
+		double surface_distance = lwi_distance( c, lwi_load( s ) );
+		if ( surface_distance + radius <= s[3] )
 		{
 			w->lists.count = mine;
 			return true;
 		}
-		if ( apart > s[3] + radius )
+		if ( surface_distance > s[3] + radius )
 		{
 			continue;
 		}
@@ -101,10 +101,10 @@ static bool visit( walk* w, lw_vec3 c, double half, size_t first, int depth )
 	}
 	// farther than this is all the same
 	double far = ( radius > w->margin ? radius : w->margin ) + 2 * w->body->slack;
-	double apart = lwi_shape_nearest( w->body->closed, c, far, true, NULL, 0 ).distance;
-	bool crossed = apart <= radius + w->body->slack, ok = true;
+	double surface_distance = lwi_shape_nearest( w->body->closed, c, far, true, NULL, 0 ).distance;
+	bool crossed = surface_distance <= radius + w->body->slack, ok = true;
 	bool outside = !crossed && !lwi_body_encloses_by( w->body, c, LW_INVALID_INDEX, w->body->shell_solid );
-	bool at_surface = apart + radius + w->body->slack <= w->margin;
+	bool at_surface = surface_distance + radius + w->body->slack <= w->margin;
 	if ( !outside && !at_surface )
 	{
 		bool is_void = !crossed && !met;

@@ -188,11 +188,11 @@ static bool cut_along( prover* s, polygon* p, uint32_t triangle, uint32_t* cuts 
 		{
 			height[i] = lwi_dot( lwi_sub( p->corner[i], v[k] ), out ) / length - PRISM_MARGIN * s->limit;
 		}
-		polygon beside, over;
-		if ( p->count < MANY_CORNERS && cut( p, height, &beside, &over ) )
+		polygon outside, over;
+		if ( p->count < MANY_CORNERS && cut( p, height, &outside, &over ) )
 		{
 			++*cuts;
-			if ( !prove( s, &beside, LW_INVALID_INDEX, *cuts ) )
+			if ( !prove( s, &outside, LW_INVALID_INDEX, *cuts ) )
 			{
 				return false;
 			}

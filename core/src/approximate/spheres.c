@@ -22,7 +22,7 @@ enum
 	COUNT_STEPS = 12 ///< bisections of the excess where a number of spheres is given
 };
 
-/// Share of the excess that is reserved for the rounding of radii and depths when pieces are cut.
+/// Share of the excess that is reserved for the rounding of radii and depths when fragments are cut.
 #define KEPT_BACK 1e-9
 /// Margin at the surface of solids, as a share of the excess.
 #define SOLID_SHARE 0.04
@@ -46,7 +46,7 @@ lw_spheres_def lw_spheres_def_default( void )
 }
 
 /// Spheres of at most `excess` into `out` (double[4]), moved to where they need less for some rounds.
-static lw_status cover_and_refine( lwi_body* body, const lwi_piece_tree* tree, const lwi_array* sites, double excess,
+static lw_status cover_and_refine( lwi_body* body, const lwi_fragment_tree* tree, const lwi_array* sites, double excess,
 	double margin, uint32_t rounds, lwi_array* out )
 {
 	lwi_array chosen = { 0 };
@@ -71,10 +71,10 @@ static lw_status enclose_by_excess( lwi_body* body, double excess, uint32_t roun
 		return lwi_fail( diag, LW_ERROR_UNSUPPORTED, LW_INVALID_INDEX,
 			"an excess of %g m is below what doubles resolve on this body; allow more", excess );
 	}
-	lwi_array pieces = { 0 }, sites = { 0 };
-	lwi_piece_tree tree = { 0 };
-	lw_status status = lwi_enclose_pieces( body, target, &pieces, &sites, diag );
-	if ( status == LW_OK && !lwi_piece_tree_create( pieces.data, (uint32_t)pieces.count, memory, &tree ) )
+	lwi_array fragments = { 0 }, sites = { 0 };
+	lwi_fragment_tree tree = { 0 };
+	lw_status status = lwi_enclose_fragments( body, target, &fragments, &sites, diag );
+	if ( status == LW_OK && !lwi_fragment_tree_create( fragments.data, (uint32_t)fragments.count, memory, &tree ) )
 	{
 		status = LW_ERROR_OUT_OF_MEMORY;
 	}
@@ -82,8 +82,8 @@ static lw_status enclose_by_excess( lwi_body* body, double excess, uint32_t roun
 	{
 		status = cover_and_refine( body, &tree, &sites, target, margin, rounds, out );
 	}
-	lwi_piece_tree_free( &tree, memory );
-	lwi_array_free( &pieces, memory, sizeof( lwi_piece ) );
+	lwi_fragment_tree_free( &tree, memory );
+	lwi_array_free( &fragments, memory, sizeof( lwi_fragment ) );
 	lwi_array_free( &sites, memory, sizeof( lwi_site ) );
 	if ( status == LW_OK && body->any_solid )
 	{

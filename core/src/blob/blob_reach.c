@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reaches in blobs: hulls, pairs and evidence are stored; joint ranges and tables follow from them and are computed again.
+// Reaches in blobs: hulls, pairs and evidence are stored; joint ranges follow from the robot and are computed again.
 //
 // A reach is of one robot. The blob keeps the digest of the robot that it was made of, and is stale for any other.
 #include "blob/blob.h"
@@ -529,8 +529,6 @@ static lw_status read_reach( lwi_reader* r, lw_reach* reach, lw_diag* diag )
 	{
 		return damaged( diag, problem );
 	}
-	lwi_reach_build_tables( reach );
-	reach->bytes = lwi_reach_count_bytes( reach );
 	return LW_OK;
 }
 

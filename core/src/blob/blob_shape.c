@@ -3,7 +3,7 @@
 //
 // Primitives are their dimensions. Meshes and sets are their vertices, triangles, radii and sphere tree; bounds and the
 // frame of the tree follow from the vertices. Before a query may see a shape, all indices and references are in range, the
-// tree is a tree of bounded depth, numbers are finite, and every sphere contains the items under it (lw_shape_validate()).
+// tree is a tree of bounded depth, numbers are finite, and every sphere contains the items under it (lwi_shape_validate()).
 #include "blob/blob.h"
 #include "shape/mesh.h"
 #include "shape/shape.h"
@@ -237,7 +237,7 @@ static lw_status read_tree( lwi_reader* r, lw_shape* shape, uint32_t index, lw_d
 	lwi_shape_finish( shape );
 	// The walk of the validation is bounded whatever the tree holds: it stops at a reference out of range, below
 	// LWI_MAX_DEPTH, and once it has met more nodes than there are. A query's walk is a part of it.
-	status = status == LW_OK ? lw_shape_validate( shape, &inner ) : status;
+	status = status == LW_OK ? lwi_shape_validate( shape, &inner ) : status;
 	status = status == LW_OK ? lwi_shape_find_obbs( shape, &inner ) : status;
 	status = status == LW_OK ? lwi_shape_find_extreme_points( shape, &inner ) : status;
 	if ( status == LW_ERROR_OUT_OF_MEMORY )

@@ -286,6 +286,7 @@ static bool allocate_tables( lwi_checker_base* b )
 static lw_status build_tree( lwi_checker_base* b, draft* d, lw_diag* diag )
 {
 	lw_status status = lwi_cluster_tree_create( b, d->joint_moves, diag, &b->tree );
+	status = status == LW_OK ? lwi_checker_plan_self( b, b->tree, diag ) : status;
 	if ( status != LW_OK )
 	{
 		return status;
@@ -394,7 +395,7 @@ lw_status lwi_checker_base_create( const lw_checker_def* def, const lwi_checker_
 bool lwi_checker_base_moves_alike( const lwi_checker_base* b, const lw_checker_def* def )
 {
 	uint32_t count = def->variables != NULL ? def->variable_count : lw_robot_variable_count( def->robot );
-	if ( lw_robot_bare( b->robot ) != lw_robot_bare( def->robot ) || b->group.variable_count != count )
+	if ( lwi_robot_bare( b->robot ) != lwi_robot_bare( def->robot ) || b->group.variable_count != count )
 	{
 		return false;
 	}
@@ -418,7 +419,7 @@ bool lwi_checker_base_moves_alike( const lwi_checker_base* b, const lw_checker_d
 
 uint32_t lwi_checker_base_shared_bodies( const lwi_checker_base* b, const lw_robot* robot )
 {
-	return lw_robot_body_count( b->robot == robot ? robot : lw_robot_bare( robot ) );
+	return lw_robot_body_count( b->robot == robot ? robot : lwi_robot_bare( robot ) );
 }
 
 bool lwi_checker_base_fits( const lwi_checker_base* b, const lw_checker_def* def, const lwi_self_margins* margins )

@@ -102,6 +102,19 @@ static inline uint32_t lwi_body_pair_id( const lwi_checker_base* base, uint32_t 
 	return body_a * ( base->body_block_count * LWI_WIDTH ) + body_b;
 }
 
+/// A pair of clusters as a candidate: the pair of bodies where each has one, since their R are the bodies' spheres.
+static inline uint32_t lwi_cluster_pair_candidate( const lwi_checker_base* base, const lwi_cluster_tree* tree, uint32_t index )
+{
+	const lwi_cluster_pair* pair = &tree->self.pairs[index];
+	const lwi_cluster *a = &tree->clusters[pair->cluster_a], *b = &tree->clusters[pair->cluster_b];
+	if ( a->body_count != 1 || b->body_count != 1 )
+	{
+		return LWI_OPEN + index;
+	}
+	uint32_t x = tree->bodies[a->first_body], y = tree->bodies[b->first_body];
+	return x < y ? lwi_body_pair_id( base, x, y ) : lwi_body_pair_id( base, y, x );
+}
+
 LW_EXTERN_C_END
 
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Building a checker: its base (checker/base.c), its masks, and the static clearance, measured once.
 #include "checker/base.h"
-#include "checker/edit.h"
+#include "checker/reuse.h"
 #include "leeway/blob.h"
 #include "base/math_inline.h"
 #include "query/query.h"
@@ -23,32 +23,11 @@ lw_checker_def lw_checker_def_default( void )
 	return def;
 }
 
-static void checker_free( lw_checker* c )
-{
-	const lw_allocator allocator = c->allocator;
-	uint32_t bodies = 0, clusters = 0, shapes = c->scene != NULL ? c->scene->shape_count : 0;
-	if ( c->base != NULL )
-	{
-		bodies = lw_robot_body_count( c->base->robot );
-		clusters = c->base->tree->cluster_count;
-	}
-	lwi_free( &allocator, c->allowed, c->allowed_count * sizeof( lw_link_object_pair ) );
-	lwi_free( &allocator, c->environment.mask, (size_t)bodies * c->environment.block_count );
-	lwi_free( &allocator, c->culling.near_mask, (size_t)bodies * c->environment.block_count );
-	lwi_free( &allocator, c->environment.clusters, clusters );
-	lwi_free( &allocator, c->culling.obstacle_distance, c->environment.block_count * sizeof( double[LWI_WIDTH] ) );
-	lwi_free( &allocator, c->culling.cluster_distance, (size_t)clusters * shapes * sizeof( double ) );
-	lwi_margins_destroy( c->margins );
-	lwi_checker_base_release( c->base );
-	lw_scene_release( c->scene );
-	lwi_free( &allocator, c, sizeof( lw_checker ) );
-}
-
 /// True if a reach was made for this robot, for an equal one, or for this one without its attached objects.
 static bool serves( const lw_reach* reach, const lw_robot* robot )
 {
 	const lw_robot* made_for = lw_reach_robot( reach );
-	const lw_robot* bare = lw_robot_bare( robot );
+	const lw_robot* bare = lwi_robot_bare( robot );
 	if ( made_for == robot || made_for == bare )
 	{
 		return true;
@@ -95,7 +74,7 @@ static lw_status check_def( const lw_checker_def* def, lw_diag* diag )
 	}
 	bool known = def->previous != NULL && def->previous->base->reach == def->reach &&
 				 ( def->previous->base->robot == def->robot ||
-					 lw_robot_bare( def->previous->base->robot ) == lw_robot_bare( def->robot ) );
+					 lwi_robot_bare( def->previous->base->robot ) == lwi_robot_bare( def->robot ) );
 	if ( def->reach != NULL && !known && !serves( def->reach, def->robot ) )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
@@ -111,24 +90,6 @@ static lw_status check_def( const lw_checker_def* def, lw_diag* diag )
 		}
 	}
 	return LW_OK;
-}
-
-static bool allocate_tables( lw_checker* c )
-{
-	const lw_allocator* allocator = &c->allocator;
-	uint32_t bodies = lw_robot_body_count( c->base->robot ), clusters = c->base->tree->cluster_count;
-	uint32_t shapes = c->scene != NULL ? c->scene->shape_count : 0;
-	c->environment.block_count = c->scene != NULL ? c->scene->block_count : 0;
-	c->environment.mask = lwi_alloc_zero( allocator, bodies, c->environment.block_count );
-	c->culling.near_mask = lwi_alloc_zero( allocator, bodies, c->environment.block_count );
-	c->environment.clusters = lwi_alloc_zero( allocator, clusters, 1 );
-	c->culling.obstacle_distance = lwi_alloc_zero( allocator, c->environment.block_count, sizeof( double[LWI_WIDTH] ) );
-	c->culling.cluster_distance = lwi_alloc_zero( allocator, (size_t)clusters * shapes, sizeof( double ) );
-	c->allowed = lwi_alloc_zero( allocator, c->allowed_count, sizeof( lw_link_object_pair ) );
-	c->bytes = sizeof( lw_checker ) + c->environment.block_count * ( sizeof( double[LWI_WIDTH] ) + (size_t)2 * bodies ) +
-			   clusters + (size_t)clusters * shapes * sizeof( double ) + c->allowed_count * sizeof( lw_link_object_pair );
-	return c->environment.mask != NULL && c->culling.near_mask != NULL && c->environment.clusters != NULL &&
-		   c->culling.obstacle_distance != NULL && c->culling.cluster_distance != NULL && c->allowed != NULL;
 }
 
 /// Sets the masks: every body is checked against every obstacle except for allowed pairs.
@@ -318,7 +279,7 @@ static lw_status build( lw_checker* c, const lw_checker_def* def, lw_diag* diag 
 		return status;
 	}
 	c->allowed_count = def->allowed_count;
-	if ( !allocate_tables( c ) )
+	if ( !lwi_checker_allocate( c ) )
 	{
 		return lwi_out_of_memory( diag, "a checker" );
 	}
@@ -380,29 +341,11 @@ lw_status lw_checker_create( const lw_checker_def* def, const lw_allocator* allo
 	status = build( c, def, diag );
 	if ( status != LW_OK )
 	{
-		checker_free( c );
+		lwi_checker_free( c );
 		return status;
 	}
 	*out_checker = c;
 	return LW_OK;
-}
-
-lw_checker* lw_checker_retain( const lw_checker* checker )
-{
-	lw_checker* mine = (lw_checker*)checker;
-	if ( mine != NULL )
-	{
-		lwi_retain( &mine->references );
-	}
-	return mine;
-}
-
-void lw_checker_release( lw_checker* checker )
-{
-	if ( checker != NULL && lwi_release( &checker->references ) )
-	{
-		checker_free( checker );
-	}
 }
 
 const lw_robot* lw_checker_robot( const lw_checker* checker )

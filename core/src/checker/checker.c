@@ -81,16 +81,34 @@ lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const do
 	return LW_OK;
 }
 
-lw_status lw_checker_is_free( const lw_checker* checker, lw_query* query, const double* q, lw_check_flags flags, double min_d, bool* out_free )
+/// The pair for which a state is not free: one that is too near before one that rounding decides.
+static lw_state_reason reason_of( const lw_state_result* state )
 {
-	if ( out_free == NULL )
+	lw_state_reason reason = { state->verdict, false, lw_clearance_unknown() };
+	if ( state->verdict == LW_VERDICT_BLOCKED || state->verdict == LW_VERDICT_UNDECIDED )
 	{
-		return LW_ERROR_INVALID_ARGUMENT;
+		const lw_clearance_class sought =
+			state->verdict == LW_VERDICT_BLOCKED ? LW_CLEARANCE_VIOLATION : LW_CLEARANCE_UNDECIDED;
+		reason.self = state->environment.kind != sought;
+		reason.pair = reason.self ? state->self : state->environment;
 	}
-	// an empty range of interest: distances are measured until they are on one side of min_d
-	const lw_range range = { min_d, nextafter( min_d, INFINITY ), 0 };
-	lw_state_result result;
-	const lw_status status = lw_checker_state( checker, query, q, flags, &range, true, &result );
-	*out_free = status == LW_OK && result.verdict == LW_VERDICT_FREE;
+	return reason;
+}
+
+lw_status lw_checker_is_free( const lw_checker* checker, lw_query* query, const double* q, lw_check_flags flags, double min_d,
+	bool* out_free, lw_state_reason* out_reason )
+{
+	lw_state_result state = { LW_VERDICT_UNKNOWN, lw_clearance_unknown(), lw_clearance_unknown() };
+	lw_status status = LW_ERROR_INVALID_ARGUMENT;
+	if ( out_free != NULL )
+	{
+		const lw_range range = lw_range_threshold( min_d );
+		status = lw_checker_state( checker, query, q, flags, &range, true, &state );
+		*out_free = status == LW_OK && state.verdict == LW_VERDICT_FREE;
+	}
+	if ( out_reason != NULL )
+	{
+		*out_reason = reason_of( &state );
+	}
 	return status;
 }

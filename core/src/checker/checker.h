@@ -76,6 +76,11 @@ static inline double lwi_lowest_environment( const lw_checker* checker )
 	return checker->margins != NULL ? -checker->margins->largest : 0;
 }
 
+/// Allocates the arrays of a checker with its base, scene and allowed_count. @return false without memory
+bool lwi_checker_allocate( lw_checker* checker );
+/// Frees a checker; members that were not made yet are NULL.
+void lwi_checker_free( lw_checker* checker );
+
 /// Computes the static poses, unless the query holds this checker's poses already.
 void lwi_checker_bind( const lw_checker* checker, lw_query* query );
 
@@ -103,8 +108,6 @@ bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const
 
 // --- parts of the robot, at the posed state --------------------------------------------------------------------------
 
-/// False if all bodies of a cluster are `limit` or farther from the scene by their common sphere.
-bool lwi_checker_cluster_is_near( const lw_checker* checker, lw_query* query, uint32_t cluster, double limit );
 /// Obstacles that the sphere of a body does not prove `limit` away: the first entries of query->scratch.candidates. Returns
 /// their count.
 uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query, uint32_t body, double limit );
@@ -114,13 +117,6 @@ uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query,
 /// @param cached its nearest pair of the last time; written if one was found
 void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lw_range* range,
 	struct lwi_cached_pair* cached, lw_clearance* out );
-
-/// The pairs of bodies of a pair of clusters (index into the tree's pairs) that spheres and separations do not prove `limit`
-/// apart: the first entries of query->scratch.candidates, each lwi_body_pair_id(). Returns their count.
-uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uint32_t pair, double limit );
-
-/// False if the spheres of two bodies are `limit` or farther apart.
-bool lwi_checker_pair_is_near( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, double limit );
 
 /// Clearance of one pair of bodies. out->a, out->b = links.
 void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lw_range* range,

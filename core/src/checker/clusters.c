@@ -442,7 +442,6 @@ lw_status lwi_cluster_tree_create(
 		fill_variables( t, base );
 		status = build_clusters( t, base, joint_moves, diag );
 		status = status == LW_OK ? build_spheres( t, base, diag ) : status;
-		status = status == LW_OK ? lwi_checker_plan_self( base, t, diag ) : status;
 	}
 	lwi_free( &base->allocator, in_group, base->robot->variable_count * sizeof( bool ) );
 	if ( status == LW_OK )

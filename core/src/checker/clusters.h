@@ -99,7 +99,7 @@ typedef struct lwi_cluster_tree
 	lwi_cluster* clusters;         ///< [cluster_count] depth first, parents before children
 	lwi_cluster_angle* angles;     ///< [cluster_count] angles of the joints above the clusters
 	bool can_batch;                ///< each joint above a cluster has one variable
-	lwi_batch_joint* batch_joints; ///< [cluster_count] if so
+	lwi_batch_joint* batch_joints; ///< [cluster_count]
 	uint32_t link_count, body_count;
 	uint32_t* bodies;         ///< [body_count] robot bodies by cluster
 	uint32_t* body_cluster;   ///< [body_count] cluster of a robot body
@@ -123,6 +123,7 @@ static inline uint32_t lwi_cluster_pair_slice( const lwi_cluster_tree* tree, con
 	return single && tree->grids.slice_count > 0 ? tree->grids.pair_slices[pair->first] : LW_INVALID_INDEX;
 }
 
+/// The clusters with their bodies and spheres; lwi_checker_plan_self() fills the self query.
 /// @param joint_moves [joint count] driven by a variable of the group
 /// The reach proves nothing if the reference state is outside of its ranges: the tree is then as without one.
 lw_status lwi_cluster_tree_create( const struct lwi_checker_base* base, const bool* joint_moves, lw_diag* diag,
@@ -139,10 +140,7 @@ void lwi_checker_fill_batch_joints( lwi_cluster_tree* tree, const lw_robot* robo
 /// Candidates of a self query at or above this are pairs of clusters still to be opened: LWI_OPEN + index.
 #define LWI_OPEN 0x80000000u
 
-/// A pair of clusters as a candidate: the pair of bodies where each has one, since their R are the bodies' spheres.
-uint32_t lwi_cluster_pair_candidate( const struct lwi_checker_base* base, const lwi_cluster_tree* tree, uint32_t pair );
-
-/// Fills pairs, separations and steps. Part of lwi_cluster_tree_create().
+/// Fills pairs, separations and steps of a tree of lwi_cluster_tree_create().
 lw_status lwi_checker_plan_self( const struct lwi_checker_base* base, lwi_cluster_tree* tree, lw_diag* diag );
 
 /// The separation of two bodies as queries use it: that of the reach, if it holds here, else 0; less the rounding of poses

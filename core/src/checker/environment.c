@@ -29,8 +29,8 @@ static void search_environment_pair( const lw_checker* checker, lw_query* query,
 /// @param whole the query covers everything, static bodies included
 static void choose_obstacles( const lw_checker* checker, lw_query* query, const lw_range* range, bool whole )
 {
-	bool enough = range->max_d <= checker->culling.horizon || ( whole && checker->culling.is_complete );
-	query->pose.near = query->pose.within && enough;
+	bool within_horizon = range->max_d <= checker->culling.horizon || ( whole && checker->culling.is_complete );
+	query->pose.near = query->pose.within && within_horizon;
 }
 
 /// Number of blocks of the chosen obstacles.
@@ -394,15 +394,6 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	{
 		*cached = (lwi_cached_pair){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
 	}
-}
-
-bool lwi_checker_cluster_is_near( const lw_checker* checker, lw_query* query, uint32_t cluster, double limit )
-{
-	const lwi_bound bound = { .cutoff = limit };
-	const lw_range range = { 0, limit, 0 };
-	choose_obstacles( checker, query, &range, false );
-	return ( checker->environment.clusters[cluster] & LWI_CLUSTER_CHECKED ) != 0 &&
-		   meets_scene( checker, query, 2 * cluster, &bound );
 }
 
 uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query, uint32_t body, double limit )

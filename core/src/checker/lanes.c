@@ -12,6 +12,7 @@ static lwi_batch_joint batch_joint( const lwi_joint* joint, const lw_transform* 
 	const double* a = joint->axis;
 	const double cross[3][3] = { { 0, -a[2], a[1] }, { a[2], 0, -a[0] }, { -a[1], a[0], 0 } };
 	lwi_batch_joint out = { .rotates = joint->type != LW_JOINT_PRISMATIC,
+		.has_several_variables = joint->type == LW_JOINT_PLANAR || joint->type == LW_JOINT_FLOATING,
 		.multiplier = joint->multiplier,
 		.variable_offset = joint->offset,
 		.variable = joint->variable };
@@ -35,12 +36,8 @@ void lwi_checker_fill_batch_joints( lwi_cluster_tree* t, const lw_robot* robot )
 	for ( uint32_t i = 1; i < t->cluster_count; ++i )
 	{
 		const lwi_joint* joint = &robot->joints[robot->link_joint[t->clusters[i].root_link]];
-		if ( joint->type != LW_JOINT_REVOLUTE && joint->type != LW_JOINT_CONTINUOUS && joint->type != LW_JOINT_PRISMATIC )
-		{
-			t->can_batch = false; // several variables
-			return;
-		}
 		t->batch_joints[i] = batch_joint( joint, &t->clusters[i].parent_from_joint );
+		t->can_batch = t->can_batch && !t->batch_joints[i].has_several_variables;
 	}
 }
 
@@ -52,12 +49,46 @@ static void broadcast( double value, double out[LWI_WIDTH] )
 	}
 }
 
-void lwi_pose_lanes( const lw_checker* checker, lw_query* query, const double* speeds )
+/// Lane l of the frame behind a joint of several variables.
+static void pose_several( const lw_checker* checker, uint32_t cluster, const lwi_batch_frame* above, int l, const double* state,
+	const double* speeds, lwi_batch_frame* out )
+{
+	const lwi_cluster* n = &checker->base->tree->clusters[cluster];
+	const lwi_joint* joint = &checker->base->robot->joints[checker->base->robot->link_joint[n->root_link]];
+	const bool planar = joint->type == LW_JOINT_PLANAR;
+	const double* v = speeds + joint->variable;
+	const lw_vec3 shift = planar ? lwi_add_scaled( lwi_scale( v[0], lwi_load( joint->plane[0] ) ), v[1], lwi_load( joint->plane[1] ) ) : lwi_load( v );
+	const lw_vec3 turn = planar ? lwi_scale( v[2], lwi_load( joint->axis ) ) : lwi_load( v + 3 );
+	lw_transform frame, pose;
+	for ( int i = 0; i < 9; ++i )
+	{
+		frame.r[i / 3][i % 3] = above->r[i][l];
+		frame.t[i % 3] = above->t[i % 3][l];
+	}
+	// a zero quaternion was ruled out when the motion was measured
+	lwi_joint_pose( joint, &frame, &n->parent_from_joint, n->translates, state, &pose );
+	const lw_vec3 w = lwi_rotate( &frame, lwi_rotate( &n->parent_from_joint, turn ) );
+	const lw_vec3 speed = lwi_add( lwi_rotate( &frame, lwi_rotate( &n->parent_from_joint, shift ) ), lwi_cross( lwi_load( pose.t ), w ) );
+	const double angular[3] = { w.x, w.y, w.z }, linear[3] = { speed.x, speed.y, speed.z };
+	for ( int i = 0; i < 9; ++i )
+	{
+		out->r[i][l] = pose.r[i / 3][i % 3];
+	}
+	for ( int i = 0; i < 3; ++i )
+	{
+		out->t[i][l] = pose.t[i];
+		out->angular[i][l] = above->angular[i][l] + angular[i];
+		out->linear[i][l] = above->linear[i][l] + linear[i];
+	}
+}
+
+/// Frames of all clusters; lane_values has the values of their joints. @param states, speeds NULL: at rest
+static void pose_lanes( const lw_checker* checker, lw_query* query, const double* states, const double* speeds )
 {
 	static const double zeros[LWI_WIDTH] = { 0 }, ones[LWI_WIDTH] = { 1, 1, 1, 1, 1, 1, 1, 1 };
 	const lwi_cluster_tree* tree = checker->base->tree;
 	const lwi_kernels* kernels = query->search.kernels;
-	const uint32_t count = tree->cluster_count * LWI_WIDTH;
+	const uint32_t count = tree->cluster_count * LWI_WIDTH, variables = checker->base->robot->variable_count;
 	double *values = query->scratch.lane_values, *cosines = values + count, *sines = cosines + count;
 	lwi_batch_frame* frames = query->scratch.lane_frames;
 	broadcast( 0, values ); // cluster 0
@@ -76,15 +107,47 @@ void lwi_pose_lanes( const lw_checker* checker, lw_query* query, const double* s
 		const double *cosine = joint->rotates ? cosines + at : ones, *sine = joint->rotates ? sines + at : zeros;
 		const double* value = joint->rotates ? zeros : values + at;
 		const lwi_batch_frame* above = &frames[tree->clusters[i].parent];
-		if ( speeds != NULL )
+		double speed[LWI_WIDTH];
+		for ( int l = 0; l < LWI_WIDTH && speeds != NULL; ++l )
 		{
-			kernels->batch_frame( above, joint, cosine, sine, value, speeds + at, &frames[i] );
+			speed[l] = joint->multiplier * speeds[(uint32_t)l * variables + joint->variable];
+		}
+		if ( joint->has_several_variables )
+		{
+			for ( int l = 0; l < LWI_WIDTH; ++l )
+			{
+				pose_several( checker, i, above, l, states + (uint32_t)l * variables, speeds + (uint32_t)l * variables, &frames[i] );
+			}
+		}
+		else if ( speeds != NULL )
+		{
+			kernels->batch_frame( above, joint, cosine, sine, value, speed, &frames[i] );
 		}
 		else
 		{
 			kernels->lane_frame( above, joint, cosine, sine, value, &frames[i] );
 		}
 	}
+}
+
+void lwi_pose_lanes( const lw_checker* checker, lw_query* query )
+{
+	pose_lanes( checker, query, NULL, NULL );
+}
+
+void lwi_pose_moving_lanes( const lw_checker* checker, lw_query* query, const double* states, const double* speeds )
+{
+	const lwi_cluster_tree* tree = checker->base->tree;
+	const uint32_t variables = checker->base->robot->variable_count;
+	for ( uint32_t i = 1; i < tree->cluster_count; ++i )
+	{
+		const lwi_batch_joint* joint = &tree->batch_joints[i];
+		for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
+		{
+			query->scratch.lane_values[i * LWI_WIDTH + l] = joint->multiplier * states[l * variables + joint->variable] + joint->variable_offset;
+		}
+	}
+	pose_lanes( checker, query, states, speeds );
 }
 
 /// World place of the standing links: origin of the coordinates in which the robot's own spheres are compared.

@@ -291,18 +291,6 @@ static void fill_pairs( const plan* p, const lwi_checker_base* base )
 	}
 }
 
-uint32_t lwi_cluster_pair_candidate( const lwi_checker_base* base, const lwi_cluster_tree* tree, uint32_t index )
-{
-	const lwi_cluster_pair* pair = &tree->self.pairs[index];
-	const lwi_cluster *a = &tree->clusters[pair->cluster_a], *b = &tree->clusters[pair->cluster_b];
-	if ( a->body_count != 1 || b->body_count != 1 )
-	{
-		return LWI_OPEN + index;
-	}
-	uint32_t x = tree->bodies[a->first_body], y = tree->bodies[b->first_body];
-	return x < y ? lwi_body_pair_id( base, x, y ) : lwi_body_pair_id( base, y, x );
-}
-
 static lw_status build_plan( plan* p, const lwi_checker_base* base, lw_diag* diag )
 {
 	lwi_cluster_tree* t = p->tree;

@@ -82,9 +82,12 @@ static inline const float* lwi_blocks( const lw_checker* checker, lw_query* quer
 
 // --- in the lanes: query->scratch ------------------------------------------------------------------------------------
 
-/// Frames of all clusters, for a tree that can_batch. lane_values has the values of the joints above clusters other than 0.
-/// @param speeds [clusters] of these joints, per unit of t; NULL: at rest
-void lwi_pose_lanes( const lw_checker* checker, lw_query* query, const double* speeds );
+/// Frames of all clusters at rest, for a tree that can_batch. lane_values has the values of the joints above clusters other than 0.
+void lwi_pose_lanes( const lw_checker* checker, lw_query* query );
+/// Frames of all clusters, and their twists.
+/// @param states, speeds [LWI_WIDTH][robot variable_count] values and derivatives; three of a floating joint's, from the quaternion's
+/// first on, are its angular velocity in the frame of the joint
+void lwi_pose_moving_lanes( const lw_checker* checker, lw_query* query, const double* states, const double* speeds );
 /// Then the centres of the clusters' spheres R, from the place of the standing links. Spheres of bodies are no longer posed.
 /// @param half width of half a window in t
 void lwi_pose_lane_spheres( const lw_checker* checker, lw_query* query, double half );

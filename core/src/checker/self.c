@@ -368,8 +368,8 @@ static void measure_known( const lw_checker* checker, lw_query* query, lwi_bound
 	const uint32_t stride = checker->base->body_block_count * LWI_WIDTH, count = query->cache.known_count;
 	double gap[LWI_KNOWN_PAIRS];
 	query->cache.known_looked = 0;
-	if ( query->pose.covered || !query->search.def.warm_start || !( bound->range.max_d > nextafter( bound->range.min_d,
-		INFINITY ) ) )
+	const bool yes_or_no = !( bound->range.max_d > lw_range_threshold( bound->range.min_d ).max_d );
+	if ( query->pose.covered || !query->search.def.warm_start || yes_or_no )
 	{
 		return;
 	}
@@ -526,33 +526,6 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 		*cached = (lwi_cached_pair){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
 		remember_pair( query, bound.pair );
 	}
-}
-
-uint32_t lwi_checker_near_pairs( const lw_checker* checker, lw_query* query, uint32_t index, double limit )
-{
-	const lwi_cluster_pair* pair = &checker->base->tree->self.pairs[index];
-	const lwi_bound bound = { .cutoff = limit };
-	uint32_t count = 0;
-	const double* a = lwi_sphere( checker, query, 2 * pair->cluster_a );
-	if ( !( query->pose.tables && pair->separation >= limit ) &&
-		 gap_below( a, lwi_sphere( checker, query, 2 * pair->cluster_b ), pair->margin, limit ) < INFINITY )
-	{
-		lwi_candidate only = cluster_pair( checker, index, 0 );
-		if ( only.pair < LWI_OPEN )
-		{
-			query->scratch.candidates[count++] = only;
-		}
-		else
-		{
-			open_pair( checker, query, pair, &bound, &count );
-		}
-	}
-	return count;
-}
-
-bool lwi_checker_pair_is_near( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, double limit )
-{
-	return body_gap_below( checker, query, body_a, body_b, limit ) < INFINITY;
 }
 
 void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lw_range* range,

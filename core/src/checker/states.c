@@ -18,7 +18,7 @@ enum
 	MOST_HEIGHT = 7 * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH
 };
 
-/// Metres of pose rounding; beyond, lw_checker_look() says UNDECIDED.
+/// Metres of pose rounding; lanes leave states with more UNDECIDED.
 #define MOST_ROUNDING 1e-6
 
 /// A body and a primitive that its sphere meets.
@@ -38,7 +38,7 @@ typedef struct lane_states
 	const lwi_kernels* kernels;
 	const lwi_cluster_tree* tree;
 	const lwi_batch_frame* frames; ///< [clusters]
-	double enough;      ///< metres: at this distance and above a pair is proved, but for margins and the rounding of floats
+	double needed;      ///< metres: distance that proves a pair, without margins and the rounding of floats
 	double reach;       ///< metres: no point of the robot is farther from the world's origin
 	double scene_size;  ///< no coordinate of a body, or of an obstacle's box, from the scene's origin is larger
 	bool near_only;     ///< obstacles outside of near_mask are farther
@@ -266,7 +266,7 @@ static void meet_obstacle( lane_states* s, lane_body* b, uint32_t shape, uint32_
 										2 * ( (double)b->shape->extent + ( bounded ? solid->sphere_radius : 0 ) ) );
 	const double dilation = b->shape->family == LWI_TRIANGLES ? b->shape->radius : 0;
 	q->limit =
-		lwi_round_up( s->enough + slack + dilation + lwi_environment_margin( s->checker, b->body, obstacle->object ) );
+		lwi_round_up( s->needed + slack + dilation + lwi_environment_margin( s->checker, b->body, obstacle->object ) );
 	q->primitive.type = solid->type;
 	for ( int i = 0; i < 3; ++i )
 	{
@@ -325,7 +325,7 @@ static uint8_t* meet_boxes( const lane_states* s, uint32_t cluster, const lw_sph
 	uint8_t* near = (uint8_t*)s->query->scratch.row;
 	s->kernels->batch_point( &s->frames[cluster], sphere->center, scene->origin, 0, &point );
 	const double slack = lwi_gap_slack( 2 * ( s->scene_size + sphere->radius ) );
-	const double reach = sphere->radius + s->enough + ( m != NULL ? m->largest : 0 ) + slack;
+	const double reach = sphere->radius + s->needed + ( m != NULL ? m->largest : 0 ) + slack;
 	s->kernels->lane_boxes( &point, scene->boxes, blocks, lwi_round_up( reach ), near );
 	for ( uint32_t i = 0; i < scene->unbounded_count && scene->unbounded[i] < blocks * LWI_WIDTH; ++i )
 	{
@@ -422,8 +422,8 @@ static uint32_t grid_leaves( const lane_states* s, const double* q, const lwi_cl
 		{
 			s->query->pose.state[group->variables[i]] = q[(size_t)lane * group->variable_count + i];
 		}
-		const double apart = lwi_grid_at( &tree->grids.slices[slice], tree->grids.spacings, s->query->pose.state );
-		met &= apart - (double)pair->margin >= s->enough ? ~( 1u << lane ) : ~0u;
+		const double separation = lwi_grid_at( &tree->grids.slices[slice], tree->grids.spacings, s->query->pose.state );
+		met &= separation - (double)pair->margin >= s->needed ? ~( 1u << lane ) : ~0u;
 	}
 	return met;
 }
@@ -433,7 +433,7 @@ static uint32_t spheres_meet( const lane_states* s, const lwi_cluster_pair* pair
 	const lwi_batch_point* b, double radius_b )
 {
 	const double slack = lwi_gap_slack( 2 * ( 2 * s->reach + radius_a + radius_b ) );
-	return s->kernels->batch_pair( a, b, lwi_round_up( radius_a + radius_b + s->enough + (double)pair->margin + slack ) );
+	return s->kernels->batch_pair( a, b, lwi_round_up( radius_a + radius_b + s->needed + (double)pair->margin + slack ) );
 }
 
 /// @param q [lanes][variables]
@@ -451,7 +451,7 @@ static void meet_clusters( lane_states* s, const double* q, const lwi_cluster_pa
 		for ( uint32_t k = 0; k < b->body_count && near != 0; ++k )
 		{
 			const float separation = tree->self.separations[pair->first + (size_t)i * b->body_count + k];
-			if ( separation == INFINITY || ( s->covered && (double)separation >= s->enough ) )
+			if ( separation == INFINITY || ( s->covered && (double)separation >= s->needed ) )
 			{
 				continue;
 			}
@@ -467,7 +467,7 @@ static void meet_clusters( lane_states* s, const double* q, const lwi_cluster_pa
 static void lanes_self( lane_states* s, const double* q )
 {
 	const lwi_cluster_tree* tree = s->tree;
-	if ( tree->self.pair_count == 0 || ( s->covered && (double)tree->self.proxies.separation >= s->enough ) )
+	if ( tree->self.pair_count == 0 || ( s->covered && (double)tree->self.proxies.separation >= s->needed ) )
 	{
 		return;
 	}
@@ -476,7 +476,7 @@ static void lanes_self( lane_states* s, const double* q )
 	for ( uint32_t i = 0; i < tree->self.pair_count && ( s->left & ~s->unsure[1] ) != 0; ++i )
 	{
 		const lwi_cluster_pair* pair = &tree->self.pairs[i];
-		if ( s->covered && (double)pair->separation >= s->enough )
+		if ( s->covered && (double)pair->separation >= s->needed )
 		{
 			continue;
 		}
@@ -492,11 +492,11 @@ static void lanes_self( lane_states* s, const double* q )
 
 // ---------------------------------------------------------------------------------------------------------------------
 
-/// Decides lanes of up to LWI_WIDTH states. @return false if lanes say nothing of them
-static bool look( lane_states* s, const double* q, uint32_t count, lw_check_flags flags, double min_d )
+/// Decides lanes of up to LWI_WIDTH states. @return false if lanes cannot decide them
+static bool test_lanes( lane_states* s, const double* q, uint32_t count, lw_check_flags flags, double min_d )
 {
 	const lw_checker* c = s->checker;
-	const double above = nextafter( min_d, INFINITY );
+	const double above = lw_range_threshold( min_d ).max_d;
 	s->covered = s->tree->proves && s->query->search.def.pair_tables;
 	s->near_only = above <= c->culling.horizon;
 	double rounding;
@@ -509,13 +509,13 @@ static bool look( lane_states* s, const double* q, uint32_t count, lw_check_flag
 	{
 		take_state( s, q + (size_t)( lane < count ? lane : 0 ) * c->base->group.variable_count, lane );
 	}
-	s->enough = above + 4 * rounding;
+	s->needed = above + 4 * rounding;
 	if ( c->scene != NULL )
 	{
 		const double* origin = c->scene->origin;
 		s->scene_size = s->reach + fabs( origin[0] ) + fabs( origin[1] ) + fabs( origin[2] ) + c->scene->extent;
 	}
-	lwi_pose_lanes( c, s->query, NULL );
+	lwi_pose_lanes( c, s->query );
 	if ( ( flags & LW_CHECK_ENVIRONMENT ) != 0 )
 	{
 		primitive_test waiting[MOST_WAITING + 1];
@@ -537,8 +537,9 @@ static bool has_lanes( const lw_checker* c, lw_check_flags flags, double min_d )
 		   ( ( flags & LW_CHECK_ENVIRONMENT ) == 0 || c->nearest_static.clearance.lower > min_d );
 }
 
-/// Up to LWI_WIDTH states: those left, and of them the unsure ones.
-static lane_states look_at( const lw_checker* c, lw_query* query, const double* q, uint32_t count, lw_check_flags flags,
+/// Tests up to LWI_WIDTH states in lanes. In the result, `left` has the lanes that are not blocked, `unsure` those of them with a
+/// pair that is not decided.
+static lane_states test_block( const lw_checker* c, lw_query* query, const double* q, uint32_t count, lw_check_flags flags,
 	double min_d, bool contact_only )
 {
 	lane_states s = { .checker = c,
@@ -549,7 +550,7 @@ static lane_states look_at( const lw_checker* c, lw_query* query, const double* 
 		.contact_only = contact_only,
 		.all = lwi_low_bits( count ),
 		.left = lwi_low_bits( count ) };
-	if ( !has_lanes( c, flags, min_d ) || !look( &s, q, count, flags, min_d ) )
+	if ( !has_lanes( c, flags, min_d ) || !test_lanes( &s, q, count, flags, min_d ) )
 	{
 		s.unsure[0] = ( flags & LW_CHECK_ENVIRONMENT ) != 0 ? s.all : 0;
 		s.unsure[1] = ( flags & LW_CHECK_SELF ) != 0 ? s.all : 0;
@@ -564,11 +565,16 @@ static lw_check_flags open_tests( const lane_states* s, uint32_t lane )
 							 ( ( s->unsure[1] >> lane & 1 ) != 0 ? (uint32_t)LW_CHECK_SELF : 0u ) );
 }
 
-static void set_open( lw_check_flags* open, uint32_t i, lw_check_flags flags )
+/// The same answer for all states. @param open NULL: not wanted
+static void fill( lw_verdict verdict, lw_check_flags flags, uint32_t count, lw_verdict* out, lw_check_flags* open )
 {
-	if ( open != NULL )
+	for ( uint32_t i = 0; i < count; ++i )
 	{
-		open[i] = flags;
+		out[i] = verdict;
+		if ( open != NULL )
+		{
+			open[i] = flags;
+		}
 	}
 }
 
@@ -576,7 +582,7 @@ static void set_open( lw_check_flags* open, uint32_t i, lw_check_flags flags )
 static lw_status begin( const lw_checker* checker, lw_query* query, const double* q, uint32_t count, lw_check_flags flags,
 	double min_d )
 {
-	const lw_range range = { min_d, nextafter( min_d, INFINITY ), 0 };
+	const lw_range range = lw_range_threshold( min_d );
 	const uint32_t variables = checker != NULL ? checker->base->group.variable_count : 0;
 	if ( checker == NULL || query == NULL || ( q == NULL && variables > 0 && count > 0 ) || !lwi_range_is_valid( &range ) ||
 		 ( flags & LW_CHECK_BOTH ) == 0 || !lwi_query_fits( query, checker ) )
@@ -594,65 +600,66 @@ static lw_status begin( const lw_checker* checker, lw_query* query, const double
 	return LW_OK;
 }
 
-lw_status lw_checker_look( const lw_checker* checker, lw_query* query, const double* q, uint32_t count, lw_check_flags flags,
-	double min_d, bool contact_only, lw_verdict* out, lw_check_flags* open )
+/// Checks one by one the states of a block that its lanes leave open.
+static lw_status check_open( const lw_checker* checker, lw_query* query, const double* q, uint32_t count, double min_d,
+	const lw_check_flags* open, lw_verdict* out )
 {
-	if ( out == NULL && count > 0 )
+	lw_status status = LW_OK;
+	for ( uint32_t i = 0; i < count && status == LW_OK; ++i )
 	{
-		return LW_ERROR_INVALID_ARGUMENT;
-	}
-	const lw_status status = begin( checker, query, q, count, flags, min_d );
-	for ( uint32_t i = 0; i < count; ++i )
-	{
-		out[i] = status == LW_OK ? LW_VERDICT_UNDECIDED : LW_VERDICT_UNKNOWN;
-		set_open( open, i, flags );
-	}
-	bool stop = status != LW_OK;
-	for ( uint32_t start = 0; start < count && !stop; start += LWI_WIDTH )
-	{
-		const uint32_t some = count - start < LWI_WIDTH ? count - start : LWI_WIDTH;
-		const double* these = q + (size_t)start * checker->base->group.variable_count;
-		const lane_states s = look_at( checker, query, these, some, flags, min_d, contact_only );
-		for ( uint32_t lane = 0; lane < some; ++lane )
+		if ( open[i] != 0 )
 		{
-			const lw_check_flags unsure = contact_only ? flags : open_tests( &s, lane );
-			const bool left = ( s.left >> lane & 1 ) != 0;
-			out[start + lane] = !left ? LW_VERDICT_BLOCKED : unsure != 0 ? LW_VERDICT_UNDECIDED : LW_VERDICT_FREE;
-			set_open( open, start + lane, left ? unsure : 0 );
+			bool free;
+			lw_state_reason reason;
+			status = lw_checker_is_free( checker, query, q + (size_t)i * checker->base->group.variable_count, open[i], min_d,
+				&free, &reason );
+			out[i] = reason.verdict;
 		}
-		stop = contact_only && s.left != s.all;
 	}
 	return status;
 }
 
-lw_status lw_checker_states( const lw_checker* checker, lw_query* query, const double* q, uint32_t count,
-	lw_check_flags flags, double min_d, bool* out_free )
+/// Verdicts of a block of states by lanes, and the tests that they leave open.
+static void take_verdicts( const lane_states* s, uint32_t count, lw_check_flags flags, lw_verdict* out, lw_check_flags* open )
 {
-	if ( out_free == NULL && count > 0 )
+	for ( uint32_t lane = 0; lane < count; ++lane )
+	{
+		const bool left = ( s->left >> lane & 1 ) != 0;
+		open[lane] = !left ? (lw_check_flags)0 : s->contact_only ? flags : open_tests( s, lane );
+		out[lane] = !left ? LW_VERDICT_BLOCKED : open[lane] != 0 ? LW_VERDICT_UNDECIDED : LW_VERDICT_FREE;
+	}
+}
+
+lw_status lw_checker_states( const lw_checker* checker, lw_query* query, const double* q, uint32_t count, lw_check_flags flags,
+	double min_d, lw_states_effort effort, lw_verdict* out, lw_check_flags* out_open )
+{
+	if ( ( out == NULL && count > 0 ) || effort < LW_STATES_CONTACT || effort > LW_STATES_FULL )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
 	lw_status status = begin( checker, query, q, count, flags, min_d );
-	for ( uint32_t start = 0; start < count && status == LW_OK; start += LWI_WIDTH )
+	fill( status == LW_OK ? LW_VERDICT_UNDECIDED : LW_VERDICT_UNKNOWN, flags, count, out, out_open );
+	bool stop = false;
+	for ( uint32_t start = 0; start < count && status == LW_OK && !stop; start += LWI_WIDTH )
 	{
-		const uint32_t some = count - start < LWI_WIDTH ? count - start : LWI_WIDTH,
-					   variables = checker->base->group.variable_count;
-		const double* these = q + (size_t)start * variables;
-		const lane_states s = look_at( checker, query, these, some, flags, min_d, false );
-		for ( uint32_t lane = 0; lane < some && status == LW_OK; ++lane )
+		const uint32_t some = count - start < LWI_WIDTH ? count - start : LWI_WIDTH;
+		const double* these = q + (size_t)start * checker->base->group.variable_count;
+		const lane_states s = test_block( checker, query, these, some, flags, min_d, effort == LW_STATES_CONTACT );
+		lw_check_flags open[LWI_WIDTH];
+		take_verdicts( &s, some, flags, out + start, open );
+		if ( effort == LW_STATES_FULL )
 		{
-			const lw_check_flags open = open_tests( &s, lane );
-			out_free[start + lane] = ( s.left >> lane & 1 ) != 0;
-			if ( out_free[start + lane] && open != 0 )
-			{
-				status = lw_checker_is_free( checker, query, these + (size_t)lane * variables, open, min_d,
-					&out_free[start + lane] );
-			}
+			status = check_open( checker, query, these, some, min_d, open, out + start );
 		}
+		for ( uint32_t i = 0; i < some && out_open != NULL; ++i )
+		{
+			out_open[start + i] = out[start + i] == LW_VERDICT_UNDECIDED ? open[i] : (lw_check_flags)0;
+		}
+		stop = effort == LW_STATES_CONTACT && s.left != s.all;
 	}
-	if ( status != LW_OK && count > 0 )
+	if ( status != LW_OK )
 	{
-		memset( out_free, 0, count * sizeof( bool ) );
+		fill( LW_VERDICT_UNKNOWN, flags, count, out, out_open );
 	}
 	return status;
 }

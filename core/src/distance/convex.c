@@ -27,26 +27,8 @@ static bool is_same( lw_vec3 a, lw_vec3 b )
 	return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-lw_vec3 lwi_points_support( const lwi_piece* piece, lw_vec3 n )
-{
-	const double* p = piece->points;
-	lw_vec3 origin = lwi_load( p ), best = { 0.0, 0.0, 0.0 };
-	double most = 0.0; // the first point's
-	for ( uint32_t i = 1; i < piece->point_count; ++i )
-	{
-		lw_vec3 v = lwi_sub( lwi_load( p + 3 * (size_t)i ), origin );
-		double d = lwi_dot( n, v );
-		if ( d > most )
-		{
-			most = d;
-			best = v;
-		}
-	}
-	return best;
-}
-
 /// Radius and mean of a point set about its first point.
-static void measure_points( lwi_piece* piece )
+static void measure_points( lwi_support_map* piece )
 {
 	lw_vec3 origin = lwi_load( piece->points ), sum = { 0.0, 0.0, 0.0 };
 	double most = 0.0;
@@ -61,7 +43,7 @@ static void measure_points( lwi_piece* piece )
 }
 
 /// Local copy of a shape about its reference point, which is returned.
-static lw_vec3 make_piece( const lwi_convex* shape, lwi_piece* piece )
+static lw_vec3 make_piece( const lwi_convex* shape, lwi_support_map* piece )
 {
 	lw_vec3 origin = { 0.0, 0.0, 0.0 };
 	piece->type = shape->type;
@@ -118,7 +100,7 @@ static lw_vec3 reference_offset( const lw_transform* a_from_b, lw_vec3 origin_a,
 	return magnitude <= 2.0 * ( lwi_length( d ) + radii ) ? d : place_precisely( a_from_b, origin_b, origin_a );
 }
 
-static lw_vec3 centroid( const lwi_piece* piece )
+static lw_vec3 centroid( const lwi_support_map* piece )
 {
 	if ( piece->type != LWI_CONVEX_TRIANGLE )
 	{
@@ -130,8 +112,8 @@ static lw_vec3 centroid( const lwi_piece* piece )
 /// Adds the support point of a - b against v to the simplex.
 static vec_d add_support( const lwi_pair* pair, lw_vec3 v, lwi_simplex* simplex )
 {
-	lw_vec3 a = lwi_piece_support( &pair->a, lwi_scale( -1.0, v ) );
-	lw_vec3 b = lwi_piece_support( &pair->b, lwi_unrotate( &pair->place, v ) );
+	lw_vec3 a = lwi_support_point( &pair->a, lwi_scale( -1.0, v ) );
+	lw_vec3 b = lwi_support_point( &pair->b, lwi_unrotate( &pair->place, v ) );
 	lw_vec3 w = lwi_sub( a, lwi_transform( &pair->place, b ) );
 	simplex->a[simplex->count] = a;
 	simplex->b[simplex->count] = b;
@@ -231,12 +213,12 @@ static bool gjk( const lwi_pair* pair, double width, double stop_above, double s
 	}
 }
 
-static bool is_point( const lwi_piece* piece )
+static bool is_point( const lwi_support_map* piece )
 {
 	return piece->type == LWI_CONVEX_TRIANGLE && piece->radius == 0.0;
 }
 
-static bool is_primitive( const lwi_piece* piece )
+static bool is_primitive( const lwi_support_map* piece )
 {
 	return piece->type != LWI_CONVEX_TRIANGLE && piece->type != LWI_CONVEX_POINTS;
 }
@@ -254,12 +236,12 @@ static void triangles( const lwi_pair* pair, lwi_bounds* bounds )
 	*bounds = (lwi_bounds){ lower, r.distance, r.point_a, r.point_b, 1 };
 }
 
-static bool is_curved( const lwi_piece* piece )
+static bool is_curved( const lwi_support_map* piece )
 {
 	return piece->type == LWI_CONVEX_CYLINDER || piece->type == LWI_CONVEX_CONE;
 }
 
-static lwi_convex primitive_of( const lwi_piece* piece )
+static lwi_convex primitive_of( const lwi_support_map* piece )
 {
 	lwi_convex primitive = { .type = piece->type, .size = { piece->size[0], piece->size[1], piece->size[2] } };
 	return primitive;

@@ -10,7 +10,7 @@
 LW_EXTERN_C_BEGIN
 
 /// A piece relative to its reference point: the centre of a primitive, vertex 0 of a triangle, point 0 of a point set.
-typedef struct lwi_piece
+typedef struct lwi_support_map
 {
 	lwi_convex_type type;
 	double size[3];
@@ -18,12 +18,12 @@ typedef struct lwi_piece
 	const double* points; ///< of POINTS: in the shape's frame, about points[0]
 	uint32_t point_count;
 	double radius;     ///< >= |x| for all its points
-} lwi_piece;
+} lwi_support_map;
 
 /// The pair: pieces a and b about their reference points, b placed by rotation and offset (from a's point to b's).
 typedef struct lwi_pair
 {
-	lwi_piece a, b;
+	lwi_support_map a, b;
 	lw_transform place; ///< x_a = r x_b + t
 	double extent;      ///< a.radius + b.radius + |t|
 } lwi_pair;
@@ -44,11 +44,27 @@ typedef struct lwi_bounds
 	uint32_t iterations;
 } lwi_bounds;
 
-/// The same for POINTS. Cost: O(count).
-lw_vec3 lwi_points_support( const lwi_piece* piece, lw_vec3 n );
+/// The same as lwi_support_point() for POINTS. Cost: O(count).
+static inline lw_vec3 lwi_points_support( const lwi_support_map* piece, lw_vec3 n )
+{
+	const double* p = piece->points;
+	lw_vec3 origin = lwi_load( p ), best = { 0.0, 0.0, 0.0 };
+	double most = 0.0; // the first point's
+	for ( uint32_t i = 1; i < piece->point_count; ++i )
+	{
+		lw_vec3 v = lwi_sub( lwi_load( p + 3 * (size_t)i ), origin );
+		double d = lwi_dot( n, v );
+		if ( d > most )
+		{
+			most = d;
+			best = v;
+		}
+	}
+	return best;
+}
 
 /// A point of the piece that is farthest in direction n (any length > 0).
-static inline lw_vec3 lwi_piece_support( const lwi_piece* piece, lw_vec3 n )
+static inline lw_vec3 lwi_support_point( const lwi_support_map* piece, lw_vec3 n )
 {
 	switch ( piece->type )
 	{

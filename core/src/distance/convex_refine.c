@@ -122,8 +122,8 @@ void lwi_convex_refine( const lwi_pair* pair, lwi_simplex* simplex, double width
 			return;
 		}
 		n = lwi_scale( 1.0 / lwi_length( n ), n );
-		lw_vec3 a = lwi_piece_support( &pair->a, lwi_scale( -1.0, n ) );
-		lw_vec3 b = lwi_piece_support( &pair->b, lwi_unrotate( &pair->place, n ) );
+		lw_vec3 a = lwi_support_point( &pair->a, lwi_scale( -1.0, n ) );
+		lw_vec3 b = lwi_support_point( &pair->b, lwi_unrotate( &pair->place, n ) );
 		lw_vec3 next = lwi_sub( a, lwi_transform( &pair->place, b ) );
 		double gap = lwi_dot( n, next ) - rounding;
 		bounds->lower = gap > bounds->lower ? gap : bounds->lower;

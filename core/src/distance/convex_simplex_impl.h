@@ -49,7 +49,7 @@ static inline NAME( vec ) NAME( add_scaled )( NAME( vec ) a, real s, NAME( vec )
 }
 
 /// Squared distance to about double precision: to compare lengths.
-static inline double NAME( apart )( NAME( vec ) a, NAME( vec ) b )
+static inline double NAME( distance_sq )( NAME( vec ) a, NAME( vec ) b )
 {
 	double x = SIGN( SUB( a.x, b.x ) ), y = SIGN( SUB( a.y, b.y ) ), z = SIGN( SUB( a.z, b.z ) );
 	return x * x + y * y + z * z;
@@ -104,7 +104,7 @@ static void NAME( segment )( const NAME( vec )* w, int i, int j, NAME( nearest )
 /// two long edges of a needle it would cancel by the ratio of its sides.
 static inline void NAME( turn )( const NAME( vec )* w, int* i, int* j, int* k )
 {
-	double ij = NAME( apart )( w[*i], w[*j] ), jk = NAME( apart )( w[*j], w[*k] ), ki = NAME( apart )( w[*k], w[*i] );
+	double ij = NAME( distance_sq )( w[*i], w[*j] ), jk = NAME( distance_sq )( w[*j], w[*k] ), ki = NAME( distance_sq )( w[*k], w[*i] );
 	int first = *i;
 	if ( ki > jk && ki >= ij )
 	{
@@ -171,7 +171,7 @@ static real NAME( volume )( const NAME( vec )* w, const int faces[4][3] )
 		double sum = 0.0;
 		for ( int j = 0; j < 3; ++j )
 		{
-			sum += NAME( apart )( w[i], w[faces[i][j]] );
+			sum += NAME( distance_sq )( w[i], w[faces[i][j]] );
 		}
 		if ( sum < shortest )
 		{

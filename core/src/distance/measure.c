@@ -184,10 +184,10 @@ static span span_of_item( const lw_shape* shape, uint32_t item, lw_vec3 n, lw_ve
 	if ( shape->family == LWI_CONVEX )
 	{
 		lwi_convex primitive = lwi_convex_of_primitive( shape );
-		lwi_piece piece = { .type = primitive.type, .size = { primitive.size[0], primitive.size[1], primitive.size[2] } };
+		lwi_support_map piece = { .type = primitive.type, .size = { primitive.size[0], primitive.size[1], primitive.size[2] } };
 		for ( int sign = -1; sign <= 1; sign += 2 )
 		{
-			lw_vec3 p = lwi_piece_support( &piece, lwi_scale( sign, n ) );
+			lw_vec3 p = lwi_support_point( &piece, lwi_scale( sign, n ) );
 			widen( &s, lwi_dot( n, lwi_sub( p, on_plane ) ), p );
 		}
 		return s;

@@ -19,7 +19,7 @@ typedef struct ascent
 	const lw_shape* shape;
 	lw_vec3 n;       ///< unit, shape frame
 	double most;     ///< height above which the answer is no
-	double enough;   ///< subtrees below it are skipped
+	double skip_below;   ///< subtrees below it are skipped
 	double top;      ///< proved: nothing is higher
 	uint32_t budget; ///< leaves
 } ascent;
@@ -57,16 +57,16 @@ static bool climb( ascent* up )
 	const lw_shape* shape = up->shape;
 	if ( shape->family == LWI_CONVEX )
 	{
-		up->top = fmax( up->enough, support_of_primitive( shape, up->n ) );
+		up->top = fmax( up->skip_below, support_of_primitive( shape, up->n ) );
 		return up->top <= up->most;
 	}
 	const float n[3] = { (float)up->n.x, (float)up->n.y, (float)up->n.z };
 	// spheres in the tree's frame: centre, direction and sums are rounded, 8 roundoffs of the extent at the most
 	double origin = lwi_dot( up->n, lwi_load( shape->origin ) ), slack = 16.0 * LWI_U32 * (double)shape->extent;
-	float least = lwi_round_down( up->enough - origin - slack );
+	float least = lwi_round_down( up->skip_below - origin - slack );
 	lwi_ref stack[( LWI_WIDTH - 1 ) * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH];
 	uint32_t height = 0;
-	up->top = up->enough;
+	up->top = up->skip_below;
 	stack[height++] = shape->root;
 	while ( height > 0 )
 	{
@@ -99,12 +99,12 @@ static bool climb( ascent* up )
 /// answer
 static bool slab_is_wide( lwi_searching* s, lw_vec3 n, double at_a, double at_b, double width, uint32_t* budget )
 {
-	double spare = at_b - at_a - width;
-	if ( !( spare >= 0 ) )
+	double surplus = at_b - at_a - width;
+	if ( !( surplus >= 0 ) )
 	{
 		return false;
 	}
-	ascent a = { s->kernels, s->a, n, at_a + spare, at_a + 0.5 * spare, 0, *budget };
+	ascent a = { s->kernels, s->a, n, at_a + surplus, at_a + 0.5 * surplus, 0, *budget };
 	if ( !climb( &a ) )
 	{
 		*budget = a.budget;

@@ -83,11 +83,6 @@ static double coordinates_of( const lwi_swept_poses* s )
 {
 	const double* t = s->middle.t;
 	double far = fabs( t[0] ) + fabs( t[1] ) + fabs( t[2] );
-	if ( s->is_linear )
-	{
-		const lw_vec3 *v = &s->shift, *w = &s->turn;
-		return far + fabs( v->x ) + fabs( v->y ) + fabs( v->z ) + ( fabs( w->x ) + fabs( w->y ) + fabs( w->z ) ) * far;
-	}
 	for ( int i = 1; i < s->count; ++i ) // the first is the middle
 	{
 		far += fabs( s->at[i].t[0] ) + fabs( s->at[i].t[1] ) + fabs( s->at[i].t[2] );
@@ -95,39 +90,10 @@ static double coordinates_of( const lwi_swept_poses* s )
 	return far;
 }
 
-/// The pose at one end of a linear motion. @param by -1: its beginning, 1: its end
-static lw_transform moved_linearly( const lwi_swept_poses* s, double by )
-{
-	lw_transform m;
-	const lw_transform* from = &s->middle;
-	const lw_vec3 w = lwi_scale( by, s->turn ), v = lwi_add_scaled( lwi_cross( w, lwi_load( from->t ) ), by, s->shift );
-	for ( int k = 0; k < 3; ++k )
-	{
-		const double x = from->r[0][k], y = from->r[1][k], z = from->r[2][k];
-		m.r[0][k] = x + ( w.y * z - w.z * y );
-		m.r[1][k] = y + ( w.z * x - w.x * z );
-		m.r[2][k] = z + ( w.x * y - w.y * x );
-	}
-	m.t[0] = from->t[0] + v.x;
-	m.t[1] = from->t[1] + v.y;
-	m.t[2] = from->t[2] + v.z;
-	return m;
-}
-
 /// @param i below the count
 static inline const lw_transform* swept_pose( const lwi_swept_poses* s, int i )
 {
 	return s->count > 1 ? &s->at[i] : &s->middle;
-}
-
-static void make_swept_poses( lwi_swept_poses* s )
-{
-	if ( !s->made )
-	{
-		s->at[0] = moved_linearly( s, -1 );
-		s->at[1] = moved_linearly( s, 1 );
-		s->made = true;
-	}
 }
 
 /// Dilation that boxes include and supports do not.
@@ -154,38 +120,21 @@ static void local_direction( const lw_transform* at, lw_vec3 n, float local[3] )
 	local[2] = (float)v.z;
 }
 
-/// The same for one of the poses, of length 1. Returns the factor for heights along it.
-static double direction_at( const lwi_swept_poses* s, int i, lw_vec3 n, float local[3] )
-{
-	if ( !s->is_linear )
-	{
-		local_direction( swept_pose( s, i ), n, local );
-		return 1;
-	}
-	lw_vec3 v = lwi_unrotate( swept_pose( s, i ), n );
-	double length = lwi_length( v ), inverse = 1 / length;
-	local[0] = (float)( inverse * v.x );
-	local[1] = (float)( inverse * v.y );
-	local[2] = (float)( inverse * v.z );
-	return length;
-}
-
 /// The farthest point of all poses along n. Returns how far, above q->from.
 /// @param start point where the search begins, tree frame; on return the farthest point
 static double farthest_of_poses( const lwi_kernels* kernels, lwi_swept_poses* s, const plane_query* q, lw_vec3 n,
 	float start[3], lw_vec3* farthest )
 {
-	make_swept_poses( s );
 	double best = -INFINITY;
 	float first[3];
 	memcpy( first, start, sizeof( first ) );
 	for ( int i = 0; i < s->count; ++i )
 	{
 		float local[3], point[3];
-		double scale = direction_at( s, i, n, local );
+		local_direction( swept_pose( s, i ), n, local );
 		memcpy( point, first, sizeof( point ) );
 		lw_vec3 origin = lwi_sub( origin_of( swept_pose( s, i ), s->shape ), q->from );
-		double high = scale * (double)lwi_support( kernels, s->shape, local, point ) + lwi_dot( n, origin );
+		double high = (double)lwi_support( kernels, s->shape, local, point ) + lwi_dot( n, origin );
 		if ( !( high <= best ) )
 		{
 			best = high;
@@ -200,7 +149,6 @@ static double farthest_of_poses( const lwi_kernels* kernels, lwi_swept_poses* s,
 /// A point of the poses' hull that is far along n: the middle's farthest, at that pose where it is farthest.
 static lw_vec3 far_point( const lwi_kernels* kernels, lwi_swept_poses* s, const plane_query* q, lw_vec3 n, float start[3] )
 {
-	make_swept_poses( s );
 	float local[3];
 	local_direction( &s->middle, n, local );
 	lwi_support( kernels, s->shape, local, start );
@@ -233,7 +181,6 @@ static void make_boxes( lwi_swept_poses* s )
 	}
 	const double *low = s->shape->box_min, *high = s->shape->box_max;
 	const lw_vec3 middle = lwi_v3( 0.5 * ( low[0] + high[0] ), 0.5 * ( low[1] + high[1] ), 0.5 * ( low[2] + high[2] ) );
-	make_swept_poses( s );
 	s->box_size = 0;
 	for ( int i = 0; i < s->count; ++i )
 	{
@@ -288,12 +235,11 @@ static bool box_stays_below( const lwi_kernels* kernels, lwi_swept_poses* a, con
 /// True if a shape reaches no farther along n (unit to rounding) than `most` above q->from, at any of its poses.
 static bool all_stay_below( const lwi_kernels* kernels, lwi_swept_poses* s, const plane_query* q, lw_vec3 n, double most )
 {
-	make_swept_poses( s );
 	for ( int i = 0; i < s->count; ++i )
 	{
 		float local[3];
-		double scale = direction_at( s, i, n, local );
-		double left = ( most - lwi_dot( n, lwi_sub( origin_of( swept_pose( s, i ), s->shape ), q->from ) ) ) / scale;
+		local_direction( swept_pose( s, i ), n, local );
+		double left = most - lwi_dot( n, lwi_sub( origin_of( swept_pose( s, i ), s->shape ), q->from ) );
 		if ( !( left > -INFINITY && lwi_stays_below( kernels, s->shape, local, lwi_round_down( left ) ) ) )
 		{
 			return false;
@@ -330,7 +276,6 @@ typedef struct extremes
 
 static void make_cloud( const lwi_kernels* kernels, lwi_swept_poses* s )
 {
-	make_swept_poses( s );
 	lwi_cloud* cloud = s->cloud;
 	lw_vec3 middle = origin_of( &s->middle, s->shape );
 	uint32_t blocks = s->shape->extreme_blocks;
@@ -503,7 +448,6 @@ uint32_t lwi_swept_apart_by( const lwi_kernels* kernels, lwi_swept_poses* a, lwi
 			return lwi_lowest_bit( clear );
 		}
 	}
-	make_swept_poses( a );
 	extremes extremes_a = extremes_of( kernels, a, &q ), extremes_b;
 	if ( !stands )
 	{

@@ -56,12 +56,9 @@ typedef struct lwi_swept_poses
 {
 	const lw_shape* shape;
 	int count;
-	lw_transform middle; ///< frame_from_shape: between the others, or one of them
-	bool is_linear;      ///< two poses: points x of the middle one displaced by -+ ( shift + turn x x )
-	bool made;           ///< `at` is filled; of linear motions it is filled when it is needed
-	lw_vec3 turn, shift;
+	lw_transform middle; ///< frame_from_shape: the first of several
 	lwi_cloud* cloud; ///< of more than one pose
-	lw_transform at[LWI_MAX_SWEPT_POSES]; ///< frame_from_shape, of several; linear maps, not rigid motions, if is_linear
+	lw_transform at[LWI_MAX_SWEPT_POSES]; ///< frame_from_shape, of several
 	bool boxed;                      ///< `boxes` are filled
 	lw_vec3 box_middle[LWI_MAX_SWEPT_POSES];
 	double box_size; ///< sum of the coordinates of three half axes, at most
@@ -74,8 +71,7 @@ static inline void lwi_swept_poses_static( lwi_swept_poses* s, const lw_shape* s
 	s->shape = shape;
 	s->count = 1;
 	s->middle = *frame_from_shape;
-	s->is_linear = s->boxed = false;
-	s->made = true;
+	s->boxed = false;
 	s->cloud = NULL;
 }
 

@@ -37,7 +37,6 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	const size_t clusters = c->base->tree->cluster_count;
 	uint32_t variables = c->base->robot->variable_count;
 	e->memory = lwi_arena_take( &arena, 1, sizeof( lwi_edge_memory ) );
-	e->poses.velocities = lwi_arena_take( &arena, clusters, sizeof( lwi_edge_velocity ) );
 	e->path.motion = lwi_arena_take( &arena, lwi_motion_scratch_size( c->base->motion ), 1 );
 	e->path.full_a = lwi_arena_take( &arena, variables, sizeof( double ) );
 	e->path.full_b = lwi_arena_take( &arena, variables, sizeof( double ) );
@@ -50,7 +49,6 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	{
 		e->path.ranges[i] = lwi_arena_take( &arena, variables, sizeof( double ) );
 	}
-	e->path.speed_now = lwi_arena_take( &arena, variables, sizeof( double ) );
 	e->path.group_t = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
 	e->poses.frame_t = lwi_arena_take( &arena, LWI_EDGE_FRAMES, sizeof( double ) );
 	e->poses.frame_states = lwi_arena_take( &arena, LWI_EDGE_FRAMES * (size_t)variables, sizeof( double ) );
@@ -58,7 +56,8 @@ static size_t lay_out( lwi_edge* e, void* memory )
 		lwi_arena_take( &arena, LWI_EDGE_FRAMES * 2 * (size_t)lwi_padded_clusters( c->base->tree ), sizeof( double ) );
 	e->poses.frame_known = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( bool ) );
 	e->poses.frame_poses = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( lw_transform ) );
-	e->lane_speeds = lwi_arena_take( &arena, clusters * LWI_WIDTH, sizeof( double ) );
+	e->lane_states = lwi_arena_take( &arena, LWI_WIDTH * (size_t)variables, sizeof( double ) );
+	e->lane_speeds = lwi_arena_take( &arena, LWI_WIDTH * (size_t)variables, sizeof( double ) );
 	e->pairs.capacity = c->base->moving_body_count + c->base->self.pair_count;
 	e->work.capacity = 4 * e->pairs.capacity + SPARE_WINDOWS;
 	e->pairs.all = lwi_arena_take( &arena, e->pairs.capacity, sizeof( lwi_edge_pair ) );
@@ -79,9 +78,9 @@ bool lwi_edge_begin( lwi_edge* edge )
 		memset( edge->memory, 0, sizeof( *edge->memory ) );
 		edge->memory->bindings = query->pose.bindings;
 	}
-	edge->pairs.apart = edge->pairs.spare = INFINITY;
+	edge->pairs.separation = edge->pairs.surplus = INFINITY;
 	lwi_edge_forget_poses( edge );
-	if ( !lwi_path_is_curve( edge ) )
+	if ( lwi_path_is_straight( edge ) )
 	{
 		lw_checker_full_state( edge->checker, edge->path.qa, edge->path.full_a );
 		lw_checker_full_state( edge->checker, edge->path.qb, edge->path.full_b );
@@ -95,7 +94,6 @@ size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 	// Each more may move, and meet all others: the memory of lay_out() for as many pairs, and its rounding of five arrays
 	size_t pairs = spare_bodies * ( 1 + (size_t)checker->base->robot->body_count + spare_bodies );
 	size_t more = pairs * ( sizeof( lwi_edge_pair ) + 4 * sizeof( lwi_open_window ) ) + 5 * LWI_ALIGNMENT +
-				  spare_bodies * ( sizeof( lwi_batch_point ) + sizeof( bool ) + LWI_WIDTH * sizeof( double ) ) +
 				  lwi_motion_scratch_spare( spare_bodies );
 	return lay_out( &edge, NULL ) + ( spare_bodies > 0 ? more : 0 );
 }
@@ -118,7 +116,7 @@ static lw_status check_certified( lwi_edge* e )
 	}
 	e->out->lower_bound = 0;
 	e->out->proved_until = e->def->want_proved_until ? lwi_edge_proved_run( e ) : 0;
-	if ( lwi_path_is_curve( e ) )
+	if ( !lwi_path_is_straight( e ) )
 	{
 		const double start = e->path.curve.start, width = e->path.curve.end - e->path.curve.start;
 		const double proved = start + width * e->out->proved_until * LWI_EDGE_INWARD;

@@ -11,14 +11,14 @@
 // ---- bounds -----------------------------------------------------------------------------------------------------------
 
 /// Hands the tolerances of the group's variables to the motion's bounds. Rounded control points are within a tolerance, too.
-static void tolerate( lwi_edge* e )
+static void set_tolerance( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
 	memset( e->path.tolerance, 0, c->base->robot->variable_count * sizeof( double ) );
 	for ( uint32_t i = 0; i < c->base->group.variable_count; ++i )
 	{
 		e->path.tolerance[c->base->group.variables[i]] = ( e->def->tolerance != NULL ? e->def->tolerance[i] : 0 ) +
-														 ( lwi_path_is_curve( e ) ? 2 * e->path.curve.size[i] : 0 );
+														 ( !lwi_path_is_straight( e ) ? 2 * e->path.curve.size[i] : 0 );
 	}
 	lwi_motion_tolerate( c->base->motion, e->path.motion, e->path.tolerance );
 	e->path.tube = lwi_motion_largest_tube( e->path.motion );
@@ -65,7 +65,6 @@ static bool begin_curve( lwi_edge* e )
 	memcpy( e->path.ranges[1], e->path.full_a, bytes );
 	memset( e->path.ranges[2], 0, bytes );
 	memset( e->path.ranges[3], 0, bytes );
-	memset( e->path.speed_now, 0, bytes );
 	for ( uint32_t i = 0; i < c->base->group.variable_count; ++i )
 	{
 		bound_variable( &e->path.curve, c->base->group.variable_count, i, e->path.ranges, c->base->group.variables[i] );
@@ -78,14 +77,14 @@ static bool begin_curve( lwi_edge* e )
 static bool measure_motion( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
-	if ( lwi_path_is_curve( e ) ? !begin_curve( e )
+	if ( !lwi_path_is_straight( e ) ? !begin_curve( e )
 								: !lwi_motion_begin( c->base->motion, e->path.full_a, e->path.full_b, e->path.motion ) )
 	{
 		return false;
 	}
-	if ( e->def->tolerance != NULL || lwi_path_is_curve( e ) )
+	if ( e->def->tolerance != NULL || !lwi_path_is_straight( e ) )
 	{
-		tolerate( e );
+		set_tolerance( e );
 	}
 	if ( !isfinite( e->path.tube ) )
 	{
@@ -176,7 +175,7 @@ static void size_curve( lwi_edge_curve* c, uint32_t count )
 
 lwi_path_result lwi_path_begin( lwi_edge* e, uint64_t cell, uint8_t level )
 {
-	if ( lwi_path_is_curve( e ) )
+	if ( !lwi_path_is_straight( e ) )
 	{
 		const double width = ldexp( 1, -(int)level );
 		const uint32_t count = e->checker->base->group.variable_count;
@@ -216,14 +215,13 @@ static void bernstein( uint32_t degree, double t, double out[LW_CURVE_MOST_DEGRE
 	}
 }
 
-void lwi_path_curve_at( lwi_edge* e, double t, double* state )
+static void curve_at( const lwi_edge* e, double t, double* state, double* speeds )
 {
 	const lw_checker* c = e->checker;
 	const uint32_t count = c->base->group.variable_count, degree = e->path.curve.degree;
 	double weights[LW_CURVE_MOST_DEGREE + 1], of_differences[LW_CURVE_MOST_DEGREE + 1];
 	bernstein( degree, t, weights );
 	bernstein( degree - 1, t, of_differences );
-	memcpy( state, e->path.full_a, c->base->robot->variable_count * sizeof( double ) );
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		const double* p = e->path.curve.part + i;
@@ -235,28 +233,58 @@ void lwi_path_curve_at( lwi_edge* e, double t, double* state )
 			speed += of_differences[k - 1] * ( p[k * count] - p[( k - 1 ) * count] );
 		}
 		state[v] = e->path.ranges[0][v] < e->path.ranges[1][v] ? value : p[0]; // quaternions stay as they are given
-		e->path.speed_now[v] = degree * speed;
+		if ( speeds != NULL )
+		{
+			speeds[v] = degree * speed;
+		}
 	}
 }
 
-/// The full state at t. All but the group's variables are those of both ends.
-void lwi_path_full_state( lwi_edge* e, double t, double* state )
+/// Speeds along a straight edge. A slerp turns about one axis at constant speed.
+static void straight_speeds( const lwi_edge* e, double* speeds )
 {
 	const lw_checker* c = e->checker;
-	if ( lwi_path_is_curve( e ) )
+	for ( uint32_t i = 0; i < c->base->group.variable_count; ++i )
 	{
-		lwi_path_curve_at( e, t, state );
+		const uint32_t v = c->base->group.variables[i];
+		const double a = e->path.qa[i], b = e->path.qb[i];
+		speeds[v] = c->base->robot->variables[v].wraps ? lwi_wrapped_difference( a, b ) : b - a;
+	}
+	for ( uint32_t i = 0; i < c->base->tree->floating_count; ++i )
+	{
+		const uint32_t v = c->base->tree->floating[i] + 3;
+		lwi_quaternion_turn( e->path.full_a + v, e->path.full_b + v, speeds + v );
+	}
+}
+
+/// All but the group's variables are those of both ends.
+void lwi_path_at( const lwi_edge* e, double t, double* state, double* speeds )
+{
+	const lw_checker* c = e->checker;
+	const size_t bytes = c->base->robot->variable_count * sizeof( double );
+	const bool straight = lwi_path_is_straight( e );
+	if ( speeds != NULL )
+	{
+		memset( speeds, 0, bytes );
+	}
+	memcpy( state, straight && t == 1 ? e->path.full_b : e->path.full_a, bytes );
+	if ( !straight )
+	{
+		curve_at( e, t, state, speeds );
 		return;
 	}
-	if ( c->base->tree->floating_count > 0 )
+	if ( speeds != NULL )
+	{
+		straight_speeds( e, speeds );
+	}
+	if ( c->base->tree->floating_count > 0 && t != 0 && t != 1 )
 	{
 		lw_robot_interpolate( c->base->robot, e->path.full_a, e->path.full_b, t, state );
 		return;
 	}
-	memcpy( state, e->path.full_a, c->base->robot->variable_count * sizeof( double ) );
-	for ( uint32_t i = 0; i < c->base->group.variable_count; ++i )
+	for ( uint32_t i = 0; i < c->base->group.variable_count && t != 0 && t != 1; ++i )
 	{
-		uint32_t v = c->base->group.variables[i];
+		const uint32_t v = c->base->group.variables[i];
 		state[v] = lwi_interpolate_variable( &c->base->robot->variables[v], e->path.qa[i], e->path.qb[i], t );
 	}
 }
@@ -267,7 +295,7 @@ const double* lwi_path_state( lwi_edge* e, double t )
 	{
 		return t == 0 ? e->path.qa : e->path.qb;
 	}
-	lwi_path_full_state( e, t, e->path.full_t );
+	lwi_path_at( e, t, e->path.full_t, NULL );
 	for ( uint32_t i = 0; i < e->checker->base->group.variable_count; ++i )
 	{
 		e->path.group_t[i] = e->path.full_t[e->checker->base->group.variables[i]];

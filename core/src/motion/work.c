@@ -11,8 +11,7 @@
 
 enum
 {
-	SPARE = LWI_EDGE_MAX_DEPTH + 4, ///< places for one window's halves of all levels
-	MOST_PROBES = 14 ///< states of all probes before a proof is given up, poses of the middle again among them
+	SPARE = LWI_EDGE_MAX_DEPTH + 4 ///< places for one window's halves of all levels
 };
 
 // ---- the list --------------------------------------------------------------------------------------------------------
@@ -20,6 +19,10 @@ enum
 /// Where a window is, on the part of the motion that is searched.
 static lwi_edge_window place_of( const lwi_edge* e, const lwi_open_window* w )
 {
+	if ( !( e->path.longest > 0 ) )
+	{
+		return ( lwi_edge_window ){ 1, 0 }; // nothing moves: one state, the given one
+	}
 	const double width = ldexp( e->work.end, -(int)w->level );
 	return ( lwi_edge_window ){ ( (double)w->cell + 0.5 ) * width, 0.5 * width };
 }
@@ -37,10 +40,10 @@ void lwi_work_begin( lwi_edge* e, double end, bool from_left )
 
 void lwi_work_add( lwi_edge* e, uint32_t pair, uint8_t skip )
 {
-	e->work.windows[e->work.tail++] = ( lwi_open_window ){ .pair = pair, .skip = (uint8_t)( skip + 1 ) };
+	e->work.windows[e->work.tail++] = ( lwi_open_window ){ .pair = pair, .skip = skip };
 }
 
-/// Adds half of a window, unless an interval batch has proved it. @param right 1: the right half
+/// Adds half of a window, unless the gate has proved it. @param right 1: the right half
 static void add_half( lwi_edge* e, const lwi_open_window* from, uint32_t right )
 {
 	const lwi_open_window half = { 2 * from->cell + right, from->pair, (uint8_t)( from->level + 1 ), from->skip };
@@ -121,29 +124,26 @@ static void halve( lwi_edge* e, uint32_t at, uint32_t count, uint32_t open, bool
 
 bool lwi_edge_state_is_free( lwi_edge* e, double t )
 {
-	// an empty range of interest: is it above min_d or not
-	lw_range range = { e->def->min_d, nextafter( e->def->min_d, INFINITY ), 0 };
-	lw_state_result state;
+	bool free;
+	lw_state_reason reason;
 	e->out->queries += t == e->poses.posed_t ? 0 : 1;
 	lwi_edge_set_posed( e, NAN );
-	if ( lw_checker_state( e->checker, e->query, lwi_path_state( e, t ), e->def->flags, &range, true, &state ) != LW_OK )
+	if ( lw_checker_is_free( e->checker, e->query, lwi_path_state( e, t ), e->def->flags, e->def->min_d, &free, &reason ) != LW_OK )
 	{
 		e->failed = true;
 		e->failure = e->query->search.failure;
 		return false;
 	}
-	lwi_edge_set_posed( e, t ); // lw_checker_state has posed the query
+	lwi_edge_set_posed( e, t ); // lw_checker_is_free() has posed the query
 	lw_edge_result* out = e->out;
-	if ( state.verdict == LW_VERDICT_BLOCKED || ( state.verdict != LW_VERDICT_FREE && out->verdict != LW_VERDICT_BLOCKED ) )
+	if ( reason.verdict == LW_VERDICT_BLOCKED || ( !free && out->verdict != LW_VERDICT_BLOCKED ) )
 	{
-		bool environment = state.environment.kind == LW_CLEARANCE_VIOLATION ||
-						   ( state.environment.kind == LW_CLEARANCE_UNDECIDED && state.self.kind != LW_CLEARANCE_VIOLATION );
-		out->verdict = state.verdict;
+		out->verdict = reason.verdict;
 		out->t = t;
-		out->self = !environment;
-		out->pair = environment ? state.environment : state.self;
+		out->self = reason.self;
+		out->pair = reason.pair;
 	}
-	return state.verdict == LW_VERDICT_FREE;
+	return free;
 }
 
 /// States of a proof are fewer than 2^k of at least V / slack; 2 V / slack + 2 are promised.
@@ -152,7 +152,7 @@ static bool has_room( const lwi_edge* e )
 	int k;
 	double cells = e->path.longest / e->def->slack;
 	frexp( cells, &k );
-	return 2 * cells + 2 - ldexp( 1, k ) >= MOST_PROBES;
+	return 2 * cells + 2 - ldexp( 1, k ) >= LWI_MOST_PROBES;
 }
 
 /// Probes whole states once: the end, the middle and both quarters.
@@ -168,16 +168,13 @@ static bool probe_states( lwi_edge* e )
 	return free;
 }
 
-/// The more pairs are unproved, the more likely is a collision somewhere, and the more a proof would cost. Near contact it
-/// takes many windows, and most edges that need one are blocked.
-bool lwi_edge_probe( lwi_edge* e, uint32_t work )
+/// The one rule for probes before a verdict. The more windows of a cell are open, the more likely is a collision somewhere, and the more a
+/// proof would cost. Within the slack it takes many windows, and most edges that need one are blocked.
+/// @param open windows of one cell that are to be halved @return false if there is a collision
+static bool probe_before_halving( lwi_edge* e, uint32_t open )
 {
-	if ( e->work.from_left )
-	{
-		return true; // the run ends before a collision that is known
-	}
-	const bool worth = ( work >= LWI_PROBE_WORK && has_room( e ) ) || e->pairs.close > 0;
-	return !worth || probe_states( e );
+	const bool worth = ( open >= LWI_PROBE_WORK && has_room( e ) ) || e->pairs.close > 0;
+	return e->work.from_left || !worth || probe_states( e ); // a run ends before a collision that is known
 }
 
 static void probe_undecided( lwi_edge* e )
@@ -217,7 +214,7 @@ static bool measure_cell( lwi_edge* e, lwi_open_window* windows, uint32_t count,
 		else if ( high )
 		{
 			lwi_edge_pair* pair = &e->pairs.all[w.pair];
-			const lwi_edge_sample s = lwi_edge_measure( e, pair, window );
+			const lwi_edge_sample s = lwi_edge_certify( e, pair, window );
 			if ( !s.proved && s.low )
 			{
 				high = lwi_edge_fail( e, pair, window.t, &s );
@@ -227,32 +224,20 @@ static bool measure_cell( lwi_edge* e, lwi_open_window* windows, uint32_t count,
 			{
 				continue;
 			}
-			high = high && lwi_edge_probe( e, 0 );
+			high = high && probe_before_halving( e, 0 );
 		}
 		windows[( *open )++] = w;
 	}
 	return high;
 }
 
-/// Spheres of everything in a first window. What they leave open gets on the list. @return as measure_cell()
-static bool begin_first( lwi_edge* e )
+/// Everything in a first window, through the gate. What it leaves open gets on the list.
+static void begin_first( lwi_edge* e )
 {
 	lwi_work* w = &e->work;
 	w->head = w->tail = w->first_count;
 	lwi_edge_begin_pairs( e );
-	// nothing moves: one state, the given one
-	const lwi_edge_window all =
-		e->path.longest > 0 ? ( lwi_edge_window ){ 0.5 * w->end, 0.5 * w->end } : ( lwi_edge_window ){ 1, 0 };
-	if ( !lwi_edge_measure_clusters( e, all.t, lwi_larger( all.t, 1 - all.t ) ) )
-	{
-		return false;
-	}
-	if ( w->from_left || !lwi_edge_has_batch( e ) )
-	{
-		return lwi_edge_midpoint_pass( e, all );
-	}
-	lwi_edge_batch_pass( e );
-	return lwi_edge_probe( e, e->pairs.count );
+	lwi_edge_gate( e );
 }
 
 /// Takes the first windows from the left, once everything before is proved. @return false if the search ends
@@ -279,18 +264,13 @@ static bool take_first( lwi_edge* e )
 		return true;
 	}
 	e->failed = e->failed || begun == LWI_PATH_FAILED;
-	if ( !e->failed && lwi_edge_static_is_free( e ) && begin_first( e ) )
+	if ( !e->failed && lwi_edge_static_is_free( e ) && ( w->from_left || lwi_edge_measure_path( e ) ) )
 	{
+		begin_first( e );
 		return true;
 	}
 	++w->first_count; // it is open
-	if ( e->failed || !w->from_left || e->out->queries >= e->work.most_states )
-	{
-		return false;
-	}
-	// something is too near at the middle already
-	lwi_work_begin( e, nextafter( 0.5 * w->end, 0 ), true );
-	return w->end > 0;
+	return false;
 }
 
 /// One step of the search. @return false if it ends
@@ -312,7 +292,7 @@ static bool step( lwi_edge* e )
 		return lwi_edge_fail( e, &e->pairs.all[cell.pair], window.t - window.half, &given_up );
 	}
 	const bool high = measure_cell( e, w->windows + at, count, &open );
-	if ( e->failed || ( !high && !w->from_left ) || at + 3 * open > w->capacity )
+	if ( e->failed || ( !high && !w->from_left ) || at + 3 * open > w->capacity || ( high && !probe_before_halving( e, open ) ) )
 	{
 		return false;
 	}
@@ -346,11 +326,11 @@ bool lwi_edge_prove( lwi_edge* e )
 	if ( go_on )
 	{
 		double proved = INFINITY; // nothing was to be measured
-		if ( e->pairs.spare < INFINITY )
+		if ( e->pairs.surplus < INFINITY )
 		{
-			proved = lwi_larger( nextafter( e->def->min_d + e->pairs.spare, 0 ), nextafter( e->def->min_d, INFINITY ) );
+			proved = lwi_larger( nextafter( e->def->min_d + e->pairs.surplus, 0 ), lw_range_threshold( e->def->min_d ).max_d );
 		}
-		e->out->lower_bound = lwi_smaller( lwi_smaller( lwi_edge_static_lower( e ), e->pairs.apart ), proved );
+		e->out->lower_bound = lwi_smaller( lwi_smaller( lwi_edge_static_lower( e ), e->pairs.separation ), proved );
 	}
 	else if ( !e->failed )
 	{

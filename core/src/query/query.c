@@ -121,7 +121,6 @@ void lw_query_reset( lw_query* query )
 	query->cache.nearest_environment.valid = false;
 	query->cache.nearest_self.valid = false;
 	query->cache.known_count = 0;
-	query->cache.nearest_scene.valid = false;
 	memset( query->search.axis_cache, 0, sizeof( query->search.axis_cache ) );
 	lwi_query_forget_checker( query );
 }
@@ -134,11 +133,6 @@ lw_query_stats lw_query_get_stats( const lw_query* query )
 void lw_query_reset_stats( lw_query* query )
 {
 	memset( &query->search.stats, 0, sizeof( query->search.stats ) );
-}
-
-size_t lw_query_bytes( const lw_query* query )
-{
-	return query->bytes;
 }
 
 uint32_t lwi_collect( lw_query* query, uint32_t entries, float limit, uint32_t skip )

@@ -60,7 +60,7 @@ typedef struct lwi_state_pose
 /// (checker/environment.c, checker/self.c, query/scene_distance.c), forgotten by lw_query_reset() and with the checker.
 typedef struct lwi_query_cache
 {
-	lwi_cached_pair nearest_environment, nearest_self, nearest_scene;
+	lwi_cached_pair nearest_environment, nearest_self;
 	uint32_t known_pairs[LWI_KNOWN_PAIRS]; ///< of bodies, nearest of the robot's own in states before, the last one first
 	uint32_t known_count;
 	uint32_t known_looked;       ///< bits: those measured first in the current state

@@ -76,7 +76,7 @@ bool lwi_grid_describe( const lw_reach* reach, uint32_t link_a, uint32_t link_b,
 {
 	const lw_robot* robot = reach->robot;
 	*grid = (lwi_grid){ .link_a = link_a, .link_b = link_b };
-	uint32_t ancestor = lwi_reach_common_ancestor( robot, link_a, link_b );
+	uint32_t ancestor = lwi_robot_common_ancestor( robot, link_a, link_b );
 	for ( int side = 0; side < 2; ++side )
 	{
 		for ( uint32_t link = side == 0 ? link_a : link_b; link != ancestor; )

@@ -199,8 +199,8 @@ static bool spheres_meet( const lwi_pair_analyser* p, const lw_transform* poses,
 			uint32_t b = p->body_order[j];
 			double radii = lwi_shape_now( p->robot->bodies[a].shape )->sphere_radius +
 						   lwi_shape_now( p->robot->bodies[b].shape )->sphere_radius;
-			lw_vec3 apart = lwi_sub( center, lwi_transform( &poses[link_b], lwi_load( p->centers + 3 * (size_t)b ) ) );
-			if ( lwi_length_sq( apart ) < radii * radii )
+			lw_vec3 from_b_to_a = lwi_sub( center, lwi_transform( &poses[link_b], lwi_load( p->centers + 3 * (size_t)b ) ) );
+			if ( lwi_length_sq( from_b_to_a ) < radii * radii )
 			{
 				return true;
 			}

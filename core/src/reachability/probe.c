@@ -254,7 +254,7 @@ void lwi_pair_analyser_select( lwi_pair_analyser* p, uint32_t link_a, uint32_t l
 {
 	p->link_a = link_a;
 	p->link_b = link_b;
-	p->ancestor = lwi_reach_common_ancestor( p->robot, link_a, link_b );
+	p->ancestor = lwi_robot_common_ancestor( p->robot, link_a, link_b );
 	p->chain_count = 0;
 	p->way_up = climb( p, link_a, p->way_a );
 	uint32_t down = climb( p, link_b, p->way_b );
@@ -322,10 +322,10 @@ void lwi_pair_analyser_measure_links( lwi_pair_analyser* p, const lw_transform* 
 			const lw_body_def* b = &robot->bodies[p->body_order[j]];
 			lw_vec3 center_b = lwi_transform( &poses[link_b], lwi_load( p->centers + 3 * (size_t)p->body_order[j] ) );
 			double radii = lwi_shape_now( a->shape )->sphere_radius + lwi_shape_now( b->shape )->sphere_radius;
-			double apart = lwi_distance( center_a, center_b );
+			double center_distance = lwi_distance( center_a, center_b );
 			// the centres carry the rounding of two transforms: a few roundoffs of their coordinates
-			double slack = 64 * LWI_U64 * ( apart + radii + lwi_length( center_a ) + lwi_length( center_b ) );
-			if ( apart - radii - slack >= bound->cutoff )
+			double slack = 64 * LWI_U64 * ( center_distance + radii + lwi_length( center_a ) + lwi_length( center_b ) );
+			if ( center_distance - radii - slack >= bound->cutoff )
 			{
 				continue;
 			}

@@ -58,11 +58,6 @@ static size_t pair_count( const lw_reach* reach )
 	return n > 0 ? n * ( n - 1 ) / 2 : 0;
 }
 
-static size_t square( const lw_reach* reach )
-{
-	return (size_t)reach->link_count * reach->link_count;
-}
-
 /// Limits of a variable widened by the margin. An angle without limits may take any value, as may the components of a
 /// quaternion, whose length does not matter.
 static void fill_range( lw_reach* reach, uint32_t variable )
@@ -86,11 +81,7 @@ lw_status lwi_reach_allocate( lw_reach* reach, lw_diag* diag )
 	reach->links = lwi_alloc_zero( memory, reach->link_count, sizeof( lwi_reach_link ) );
 	reach->pairs = lwi_alloc_zero( memory, pairs, sizeof( lw_reach_pair ) );
 	reach->states = lwi_alloc_zero( memory, pairs, sizeof( uint32_t ) );
-	reach->rigid = lwi_alloc_zero( memory, square( reach ), sizeof( double ) );
-	reach->motion = lwi_alloc_zero( memory, square( reach ), sizeof( double ) );
-	reach->scfree = lwi_alloc_zero( memory, reach->link_count, sizeof( double ) );
-	if ( reach->lower == NULL || reach->upper == NULL || reach->links == NULL || reach->pairs == NULL ||
-		 reach->states == NULL || reach->rigid == NULL || reach->motion == NULL || reach->scfree == NULL )
+	if ( reach->lower == NULL || reach->upper == NULL || reach->links == NULL || reach->pairs == NULL || reach->states == NULL )
 	{
 		return lwi_out_of_memory( diag, "a reach" );
 	}
@@ -104,31 +95,6 @@ lw_status lwi_reach_allocate( lw_reach* reach, lw_diag* diag )
 		reach->states[i] = LW_INVALID_INDEX;
 	}
 	return LW_OK;
-}
-
-static size_t grid_bytes( const lw_reach* reach )
-{
-	size_t bytes = reach->grid_capacity * sizeof( lwi_grid );
-	for ( uint32_t i = 0; i < reach->grid_count; ++i )
-	{
-		bytes += lwi_grid_size( &reach->grids[i] );
-	}
-	return bytes;
-}
-
-size_t lwi_reach_count_bytes( const lw_reach* reach )
-{
-	size_t efforts = reach->evidence_count * sizeof( lwi_effort );
-	for ( size_t i = 0; i < pair_count( reach ); ++i )
-	{
-		const lwi_effort* effort = lwi_reach_effort( reach, i );
-		efforts += effort != NULL ? lwi_effort_bytes( effort, reach->pairs[i].variable_count ) : 0;
-	}
-	return efforts + grid_bytes( reach ) + sizeof( lw_reach ) + 2 * (size_t)reach->variable_count * sizeof( double ) +
-		   reach->link_count * ( sizeof( lwi_reach_link ) + sizeof( double ) ) +
-		   pair_count( reach ) * ( sizeof( lw_reach_pair ) + sizeof( uint32_t ) ) + 2 * square( reach ) * sizeof( double ) +
-		   3 * reach->point_count * sizeof( double ) +
-		   (size_t)reach->evidence_count * reach->variable_count * sizeof( double );
 }
 
 void lwi_reach_free( lw_reach* reach )
@@ -160,22 +126,8 @@ void lwi_reach_free( lw_reach* reach )
 		lwi_free( &memory, reach->grids[i].cells, lwi_grid_size( &reach->grids[i] ) );
 	}
 	lwi_free( &memory, reach->grids, reach->grid_capacity * sizeof( lwi_grid ) );
-	lwi_free( &memory, reach->rigid, square( reach ) * sizeof( double ) );
-	lwi_free( &memory, reach->motion, square( reach ) * sizeof( double ) );
-	lwi_free( &memory, reach->scfree, reach->link_count * sizeof( double ) );
 	lw_robot_release( reach->robot );
 	lwi_free( &memory, reach, sizeof( lw_reach ) );
-}
-
-static lw_status finish( const lwi_reach_job* job )
-{
-	lw_status status = lwi_reach_build_pairs( job );
-	if ( status == LW_OK )
-	{
-		lwi_reach_build_tables( job->reach );
-		job->reach->bytes = lwi_reach_count_bytes( job->reach );
-	}
-	return status;
 }
 
 static lw_status build( const lwi_reach_job* job )
@@ -189,7 +141,7 @@ static lw_status build( const lwi_reach_job* job )
 	status = status == LW_OK ? lwi_reach_allocate( job->reach, job->diag ) : status;
 	status = status == LW_OK ? lwi_reach_build_hulls( job ) : status;
 	status = status == LW_OK ? lwi_reach_list_pairs( job ) : status;
-	return status == LW_OK ? finish( job ) : status;
+	return status == LW_OK ? lwi_reach_build_pairs( job ) : status;
 }
 
 /// A reach without contents. NULL without memory.
@@ -285,7 +237,7 @@ static bool copy_efforts( const lw_reach* from, lw_reach* to )
 	return complete;
 }
 
-/// All of a reach into an allocated one, but for tables.
+/// All of a reach into an allocated one.
 static bool copy_contents( const lw_reach* from, lw_reach* to )
 {
 	const lw_allocator* memory = &to->allocator;
@@ -338,7 +290,7 @@ lw_status lw_reach_continue( const lw_reach* reach, const lw_reach_def* def, con
 	{
 		status = lw_shape_complete( more->robot->bodies[i].shape, diag );
 	}
-	status = status == LW_OK ? finish( &job ) : status;
+	status = status == LW_OK ? lwi_reach_build_pairs( &job ) : status;
 	if ( status != LW_OK )
 	{
 		lwi_reach_free( more );
@@ -406,11 +358,6 @@ void lw_reach_release( lw_reach* reach )
 const lw_robot* lw_reach_robot( const lw_reach* reach )
 {
 	return reach->robot;
-}
-
-size_t lw_reach_bytes( const lw_reach* reach )
-{
-	return reach->bytes;
 }
 
 void lw_reach_variable_range( const lw_reach* reach, uint32_t variable, double* out_lower, double* out_upper )
@@ -496,27 +443,4 @@ bool lw_reach_closest_state( const lw_reach* reach, uint32_t link_a, uint32_t li
 	}
 	memcpy( q, reach->evidence + (size_t)state * reach->variable_count, reach->variable_count * sizeof( double ) );
 	return true;
-}
-
-double lw_reach_base( const lw_reach* reach, uint32_t link_i, uint32_t link_j )
-{
-	lw_reach_pair pair = lw_reach_get_pair( reach, link_i, link_j );
-	return lwi_reach_is_checked( &pair ) ? pair.separation : INFINITY;
-}
-
-double lw_reach_rigid( const lw_reach* reach, uint32_t link_i, uint32_t link_j )
-{
-	bool known = link_i < reach->link_count && link_j < reach->link_count;
-	return known ? reach->rigid[(size_t)link_i * reach->link_count + link_j] : 0;
-}
-
-double lw_reach_motion( const lw_reach* reach, uint32_t link_i, uint32_t link_j )
-{
-	bool known = link_i < reach->link_count && link_j < reach->link_count;
-	return known ? reach->motion[(size_t)link_i * reach->link_count + link_j] : 0;
-}
-
-double lw_reach_scfree( const lw_reach* reach, uint32_t link_i )
-{
-	return link_i < reach->link_count ? reach->scfree[link_i] : 0;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The parts of a reach, and the functions that its files share: hulls, proofs, search, tables.
+// The parts of a reach, and the functions that its files share: hulls, proofs, search.
 #ifndef LEEWAY_REACHABILITY_REACH_H
 #define LEEWAY_REACHABILITY_REACH_H
 
@@ -50,7 +50,6 @@ struct lw_reach
 	lwi_refcount references;
 	lw_allocator allocator;
 	lw_robot* robot;
-	size_t bytes;
 	uint32_t link_count, variable_count;
 	double hull_error, limit_margin;   ///< as used
 	double* lower;         ///< [variable_count] limits widened; infinite if there are none
@@ -68,9 +67,6 @@ struct lw_reach
 	double seconds;        ///< spent on pairs
 	uint32_t grid_count, grid_capacity;
 	lwi_grid* grids; ///< [grid_count] by lwi_reach_pair_index(), ascending; each owns its cells
-	double* rigid;   ///< [link_count * link_count] equation (3): row i, column j
-	double* motion;  ///< [link_count * link_count] equation (4)
-	double* scfree;  ///< [link_count] equation (12)
 };
 
 /// Index of an unordered pair of different links.
@@ -87,13 +83,6 @@ static inline lwi_effort* lwi_reach_effort( const lw_reach* reach, size_t pair_i
 	return i < reach->evidence_count ? &reach->efforts[i] : NULL;
 }
 
-/// True if contact of the pair counts: both links have geometry, move against each other, and contact is not allowed.
-/// Adjacent links count unless they are allowed too.
-static inline bool lwi_reach_is_checked( const lw_reach_pair* pair )
-{
-	return pair->kind != LW_PAIR_NONE && pair->kind != LW_PAIR_RIGID && !pair->allowed;
-}
-
 /// Everything allocated by lw_reach_create() or by reading a blob, sizes as given in `reach`. NULL members are ignored.
 void lwi_reach_free( lw_reach* reach );
 
@@ -101,9 +90,6 @@ void lwi_reach_free( lw_reach* reach );
 /// limits widened by reach->limit_margin; pairs have nothing measured and no state. After a failure
 /// lwi_reach_free() frees the arrays allocated before it.
 lw_status lwi_reach_allocate( lw_reach* reach, lw_diag* diag );
-
-/// Bytes of all that a finished reach holds, the robot left out.
-size_t lwi_reach_count_bytes( const lw_reach* reach );
 
 /// Bytes of the open cells of a pair.
 static inline size_t lwi_effort_bytes( const lwi_effort* effort, uint32_t variable_count )
@@ -177,14 +163,6 @@ lw_status lwi_reach_build_pairs( const lwi_reach_job* job );
 double lwi_effort_aim( const lw_reach_pair* pair, const lwi_effort* effort );
 /// True if a grid of a pair is wanted and not finished.
 bool lwi_effort_wants_grid( const lw_reach* reach, const lw_reach_pair* pair, const lwi_effort* effort );
-
-// --- reachability/tables.c --------------------------------------------------------------------------------------------------
-
-/// Fills rigid, motion and scfree from pairs.
-void lwi_reach_build_tables( lw_reach* reach );
-
-/// Lowest common ancestor of two links.
-uint32_t lwi_reach_common_ancestor( const lw_robot* robot, uint32_t a, uint32_t b );
 
 LW_EXTERN_C_END
 

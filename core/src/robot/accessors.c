@@ -149,3 +149,22 @@ uint32_t lwi_robot_joint_driver( const lw_robot* robot, uint32_t joint )
 {
 	return robot->joints[joint].driver;
 }
+
+uint32_t lwi_robot_common_ancestor( const lw_robot* robot, uint32_t a, uint32_t b )
+{
+	uint32_t depth[2] = { 0, 0 }, ends[2] = { a, b };
+	for ( int i = 0; i < 2; ++i )
+	{
+		for ( uint32_t link = ends[i]; robot->link_joint[link] != LW_INVALID_INDEX; ++depth[i] )
+		{
+			link = robot->joints[robot->link_joint[link]].parent;
+		}
+	}
+	while ( ends[0] != ends[1] )
+	{
+		int lower = depth[0] >= depth[1] ? 0 : 1;
+		ends[lower] = robot->joints[robot->link_joint[ends[lower]]].parent;
+		--depth[lower];
+	}
+	return ends[0];
+}

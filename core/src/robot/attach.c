@@ -32,7 +32,7 @@ bool lw_robot_is_attached( const lw_robot* robot, uint32_t link )
 	return link >= bare_of( robot )->link_count && link < robot->link_count;
 }
 
-const lw_robot* lw_robot_bare( const lw_robot* robot )
+const lw_robot* lwi_robot_bare( const lw_robot* robot )
 {
 	return bare_of( robot );
 }

@@ -220,6 +220,19 @@ double lwi_quaternion_half_angle( const double a[4], const double b[4] )
 	return shorter_arc( a, b, unit_a, unit_b );
 }
 
+void lwi_quaternion_turn( const double qa[4], const double qb[4], double turn[3] )
+{
+	double a[4], b[4];
+	const double angle = shorter_arc( qa, qb, a, b );
+	// the vector part of b times the conjugate of a: sin( angle ) times the axis; x, y, z, w
+	const lw_vec3 va = lwi_load( a ), vb = lwi_load( b );
+	const lw_vec3 v = lwi_add_scaled( lwi_sub( lwi_scale( a[3], vb ), lwi_scale( b[3], va ) ), 1, lwi_cross( va, vb ) );
+	const double sine = lwi_length( v ), factor = sine > 0 ? 2 * angle / sine : 2;
+	turn[0] = factor * v.x;
+	turn[1] = factor * v.y;
+	turn[2] = factor * v.z;
+}
+
 static void slerp( const double qa[4], const double qb[4], double t, double out[4] )
 {
 	double a[4], b[4];

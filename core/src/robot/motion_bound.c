@@ -56,7 +56,6 @@ static lwi_joint_motion motion_of( const lw_robot* robot, const lwi_motion_entry
 		double change = fabs( joint->multiplier * difference );
 		double va = joint->multiplier * a[0] + joint->offset, vb = joint->multiplier * b[0] + joint->offset;
 		bool prismatic = joint->type == LW_JOINT_PRISMATIC;
-		m.speed = joint->multiplier * difference;
 		m.rotation = prismatic ? 0 : change;
 		m.translation = prismatic ? change : 0;
 		m.excess = prismatic ? lwi_larger( fabs( va - entry->center[0] ), fabs( vb - entry->center[0] ) ) : 0;
@@ -65,7 +64,6 @@ static lwi_joint_motion motion_of( const lw_robot* robot, const lwi_motion_entry
 		m.value = prismatic ? 0 : fabs( joint->multiplier ) * ( fabs( a[0] ) + fabs( b[0] ) + 4 ) + fabs( joint->offset );
 		return m;
 	}
-	m.speed = NAN;
 	m.any_axis = joint->type == LW_JOINT_FLOATING;
 	bool planar = joint->type == LW_JOINT_PLANAR;
 	lw_vec3 pa = lwi_v3( a[0], a[1], planar ? 0 : a[2] ), pb = lwi_v3( b[0], b[1], planar ? 0 : b[2] );
@@ -117,7 +115,6 @@ static lwi_joint_motion motion_within( const lw_robot* robot, const lwi_motion_e
 		by[i] = speed[i];
 		more[i] = change[i];
 	}
-	m.speed = NAN;
 	m.any_axis = !planar;
 	m.rotation = planar ? speed[2] : 0;
 	m.turn_change = planar ? change[2] : 0;
@@ -234,11 +231,6 @@ double lwi_motion_tube_of( const lwi_motion_table* table, const void* scratch, u
 	return count == 0 ? 0 : s->tubes[table->bodies[body].first_entry + count - 1];
 }
 
-const double* lwi_motion_tubes( const lwi_motion_table* table, const void* scratch, uint32_t body )
-{
-	return scratch_of( scratch )->tubes + table->bodies[body].first_entry;
-}
-
 double lwi_motion_largest_tube( const void* scratch )
 {
 	return scratch_of( scratch )->whole.tube;
@@ -251,29 +243,6 @@ lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratc
 	return count == 0 ? (lwi_motion_rate){ 0, 0 } : s->rates[last];
 }
 
-lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, uint32_t body, const lw_transform* pose )
-{
-	const lwi_motion_body* b = &table->bodies[body];
-	lwi_twist twist = { { 0, 0, 0 }, { 0, 0, 0 } };
-	if ( b->entry_count > 0 )
-	{
-		const lwi_motion_entry* entry = &table->entries[b->first_entry];
-		const lwi_joint* joint = &table->robot->joints[entry->joint];
-		lw_vec3 along = lwi_scale( scratch_of( scratch )->motions[entry->moving_joint].speed,
-			lwi_rotate( pose, lwi_load( joint->axis ) ) );
-		bool turns = lwi_joint_rotates( joint->type );
-		twist.angular = turns ? along : twist.angular;
-		twist.linear = turns ? lwi_cross( lwi_load( pose->t ), along ) : along;
-	}
-	return twist;
-}
-
-double lwi_motion_speed( const lwi_motion_table* table, const void* scratch, uint32_t body )
-{
-	const lwi_motion_body* b = &table->bodies[body];
-	return b->entry_count > 0 ? scratch_of( scratch )->motions[table->entries[b->first_entry].moving_joint].speed : 0;
-}
-
 double lwi_motion_rotation( const void* scratch )
 {
 	return scratch_of( scratch )->whole.turns;
@@ -282,11 +251,6 @@ double lwi_motion_rotation( const void* scratch )
 double lwi_motion_twist_error( const void* scratch )
 {
 	return scratch_of( scratch )->whole.twist_error;
-}
-
-const lwi_motion_rate* lwi_motion_rates( const lwi_motion_table* table, const void* scratch, uint32_t body )
-{
-	return scratch_of( scratch )->rates + table->bodies[body].first_entry;
 }
 
 size_t lwi_motion_scratch_size( const lwi_motion_table* table )
@@ -308,7 +272,7 @@ static bool begin( const lwi_motion_table* table, const double* qa, const double
 {
 	lay_out_scratch( table, s, s );
 	double length = table->farthest, angles = 0, excess = 0;
-	double turns = 0, shifts = 0;
+	double turns = 0, shifts = 0, slerps = 0;
 	lwi_whole_motion w = { 0 };
 	for ( uint32_t i = 0; i < table->moving_joint_count; ++i )
 	{
@@ -319,6 +283,7 @@ static bool begin( const lwi_motion_table* table, const double* qa, const double
 		excess += m.excess;
 		angles += lwi_joint_rotates( table->robot->joints[entry->joint].type ) ? m.value : 0;
 		w.total += entry->axis_radius * m.rotation + m.translation;
+		slerps += m.any_axis && m.rotation > 0 ? 1 : 0;
 		turns += m.rotation;
 		shifts += m.translation;
 		s->motions[i] = m;
@@ -328,8 +293,9 @@ static bool begin( const lwi_motion_table* table, const double* qa, const double
 	w.total = ( w.total + ( excess + w.pose_rounding ) * turns ) * LWI_MOTION_OUTWARD;
 	w.turns = turns;
 	// axes are at their places in the poses, so each joint's part is off by its turn times their error; and sums of
-	// coordinates round
-	w.twist_error = turns * ( 4 * w.rounding + ( LWI_MOTION_OUTWARD - 1 ) * length ) + ( LWI_MOTION_OUTWARD - 1 ) * shifts;
+	// coordinates round; the angular velocity of a slerp by 40 u (products of quaternions), however small it is
+	w.twist_error = turns * ( 4 * w.rounding + ( LWI_MOTION_OUTWARD - 1 ) * length ) + ( LWI_MOTION_OUTWARD - 1 ) * shifts +
+					64 * LWI_U64 * slerps * length;
 	s->whole = w;
 	return isfinite( w.total ) && isfinite( w.rounding );
 }
@@ -342,17 +308,6 @@ bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const do
 bool lwi_motion_begin_curve( const lwi_motion_table* table, const lwi_motion_ranges* ranges, void* scratch )
 {
 	return begin( table, NULL, NULL, ranges, scratch );
-}
-
-void lwi_motion_set_speeds( const lwi_motion_table* table, void* scratch, const double* speeds )
-{
-	const motion_scratch* s = scratch;
-	for ( uint32_t i = 0; i < table->moving_joint_count; ++i )
-	{
-		const lwi_joint* joint = &table->robot->joints[table->moving_joints[i].joint];
-		const bool several = joint->type == LW_JOINT_PLANAR || joint->type == LW_JOINT_FLOATING;
-		s->motions[i].speed = several ? (double)NAN : joint->multiplier * speeds[joint->variable];
-	}
 }
 
 /// The turn and the shift of a joint whose variables change by so much.

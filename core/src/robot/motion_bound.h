@@ -78,8 +78,6 @@ typedef struct lwi_motion_ranges
 /// lwi_motion_begin() for a curve, whose angles do not wrap and whose quaternions stay. `share` of lwi_motion_measure_body()
 /// is then of t.
 bool lwi_motion_begin_curve( const lwi_motion_table* table, const lwi_motion_ranges* ranges, void* scratch );
-/// The speeds of twists, once begun. @param speeds [variable_count] derivatives of the variables
-void lwi_motion_set_speeds( const lwi_motion_table* table, void* scratch, const double* speeds );
 /// Metres: how far any point of any body is at most from its place on the motion that was begun, for motions within a tolerance.
 double lwi_motion_any_tube( const lwi_motion_table* table, const void* scratch, const double* tolerance );
 
@@ -96,14 +94,10 @@ void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint
 /// Motion of a measured body in the frame of `ancestor`: a link above the body's link or that link itself, or
 /// LW_INVALID_INDEX for the world.
 lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
-/// The same for every ancestor of one body: entry i is the motion by the first i + 1 moving joints above it.
-const lwi_motion_rate* lwi_motion_rates( const lwi_motion_table* table, const void* scratch, uint32_t body );
 double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor ); ///< path
 /// Metres: distance of a measured body's points from their places on the edge at the same time, for all motions within the
 /// tolerance, in the frame of `ancestor`. 0 without a tolerance.
 double lwi_motion_tube_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
-/// The same for every ancestor of one body, as lwi_motion_rates().
-const double* lwi_motion_tubes( const lwi_motion_table* table, const void* scratch, uint32_t body );
 /// No less than that of any body, in the frame of any link above it; known before bodies are measured.
 double lwi_motion_largest_tube( const void* scratch );
 
@@ -121,22 +115,9 @@ lwi_chord_error lwi_chord_error_of( lwi_motion_rate rate, double h );
 /// @param chord of its places at both ends, or more @param path along the part
 double lwi_motion_between( double chord, lwi_chord_error error, double path );
 
-/// How things move at one moment: a point x has the velocity linear + angular x x, per unit of t.
-typedef struct lwi_twist
-{
-	lw_vec3 angular, linear;
-} lwi_twist;
-
-/// Velocity that the first moving joint above a body gives to everything below it, in the world. NaN for joints of several
-/// variables.
-/// @param pose world_from_link of that joint's child at the state of the twist
-lwi_twist lwi_motion_twist( const lwi_motion_table* table, const void* scratch, uint32_t body, const lw_transform* pose );
-/// How fast the first moving joint above a body turns or shifts, with its sign, per unit of t. NaN for joints of several
-/// variables.
-double lwi_motion_speed( const lwi_motion_table* table, const void* scratch, uint32_t body );
 /// Radians that all joints together turn along the edge.
 double lwi_motion_rotation( const void* scratch );
-/// How far the velocity of a point of any body, of twists that were summed up from these, is from the true one at most.
+/// How far the velocity of a point of any body, of twists that were summed up joint by joint in double, is from the true one at most.
 double lwi_motion_twist_error( const void* scratch );
 
 /// Upper bound of the path length of any body in the world along the whole edge, once it was begun: looser than that of any

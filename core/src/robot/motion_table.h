@@ -64,7 +64,6 @@ typedef struct lwi_joint_motion
 	double value;         ///< largest |angle|: its rounding is proportional to it
 	double turn_change;   ///< largest change of the turn's speed, radians per squared unit of t; 0 on a straight edge
 	double shift_change;  ///< of the shift's, metres
-	double speed;         ///< turn or shift with its sign; NaN for joints of several variables
 	double tube_rotation, tube_translation; ///< radians, metres: by which a motion in the tube may differ at any time
 	bool any_axis;        ///< of a floating joint
 	lw_vec3 axis, origin; ///< in the world, where the poses last taken over have it

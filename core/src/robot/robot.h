@@ -95,6 +95,10 @@ lw_body_def lwi_robot_take_body( const lw_body_def* def );
 
 /// Links in topological order (parents first): [link_count], owned by the robot.
 const uint32_t* lwi_robot_link_order( const lw_robot* robot );
+/// Lowest common ancestor of two links.
+uint32_t lwi_robot_common_ancestor( const lw_robot* robot, uint32_t link_a, uint32_t link_b );
+/// The robot without any attached objects: itself if it has none. Owned by `robot`.
+const lw_robot* lwi_robot_bare( const lw_robot* robot );
 
 /// One value of lw_robot_default_state().
 double lwi_robot_default_value( const lw_robot* robot, uint32_t variable );
@@ -138,6 +142,8 @@ double lwi_interpolate_variable( const lw_variable_info* info, double a, double 
 /// Angle between two quaternions of any non-zero length as *four-vectors*, the shorter way: in [0, pi / 2]. The rotation
 /// between them is twice this. NaN for a zero or non-finite quaternion.
 double lwi_quaternion_half_angle( const double a[4], const double b[4] );
+/// Angular velocity of the interpolation from a to b, per unit of t, in the frame that both turn into. NaN as above.
+void lwi_quaternion_turn( const double a[4], const double b[4], double turn[3] );
 
 LW_EXTERN_C_END
 

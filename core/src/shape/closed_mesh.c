@@ -305,12 +305,12 @@ lw_status lwi_mesh_find_parts( lw_shape* shape, lw_diag* diag )
 	size_t vertices = shape->vertex_count;
 	uint32_t* parent = lwi_alloc( &shape->allocator, vertices * sizeof( uint32_t ) );
 	bool* met = lwi_alloc_zero( &shape->allocator, vertices, sizeof( bool ) );
-	bool enough = parent != NULL && met != NULL;
-	for ( uint32_t v = 0; enough && v < vertices; ++v )
+	bool has_memory = parent != NULL && met != NULL;
+	for ( uint32_t v = 0; has_memory && v < vertices; ++v )
 	{
 		parent[v] = v;
 	}
-	for ( uint32_t t = 0; enough && t < shape->item_count; ++t )
+	for ( uint32_t t = 0; has_memory && t < shape->item_count; ++t )
 	{
 		for ( int k = 1; k < 3; ++k )
 		{
@@ -320,7 +320,7 @@ lw_status lwi_mesh_find_parts( lw_shape* shape, lw_diag* diag )
 		}
 	}
 	shape->part_count = 0;
-	for ( uint32_t t = 0; enough && t < shape->item_count; ++t )
+	for ( uint32_t t = 0; has_memory && t < shape->item_count; ++t )
 	{
 		uint32_t root = find_vertex( parent, shape->indices[3 * (size_t)t] );
 		if ( !met[root] )
@@ -335,5 +335,5 @@ lw_status lwi_mesh_find_parts( lw_shape* shape, lw_diag* diag )
 	}
 	lwi_free( &shape->allocator, met, vertices * sizeof( bool ) );
 	lwi_free( &shape->allocator, parent, vertices * sizeof( uint32_t ) );
-	return enough ? LW_OK : lwi_out_of_memory( diag, "a mesh" );
+	return has_memory ? LW_OK : lwi_out_of_memory( diag, "a mesh" );
 }

@@ -239,6 +239,11 @@ lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* dia
 lw_status lwi_mesh_shape( const lw_mesh_def* def, double radius, const lw_allocator* allocator, lw_diag* diag,
 	lw_shape** out_shape );
 
+/// Checks the tree's invariants: every node sphere contains all the geometry under it, every triangle is in a leaf.
+/// @return LW_OK; LW_ERROR_BAD_GEOMETRY with the first offending node in diag (a bug of this library, or a damaged blob);
+/// LW_ERROR_INVALID_ARGUMENT for NULL; LW_ERROR_OUT_OF_MEMORY (it allocates one mark per triangle)
+lw_status lwi_shape_validate( const lw_shape* shape, lw_diag* diag );
+
 lw_status lwi_check_tree_def( const lw_tree_def* def, lw_diag* diag );
 
 LW_EXTERN_C_END

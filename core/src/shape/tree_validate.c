@@ -331,7 +331,7 @@ static bool check_coverage( walker* w )
 	return true;
 }
 
-lw_status lw_shape_validate( const lw_shape* shape, lw_diag* diag )
+lw_status lwi_shape_validate( const lw_shape* shape, lw_diag* diag )
 {
 	if ( shape == NULL )
 	{

@@ -19,6 +19,7 @@ typedef struct lwi_batch_joint
 	double offset[3];
 	double along[3];                    ///< the axis
 	bool rotates;                       ///< else it translates
+	bool has_several_variables;         ///< of the fields above none is used then; `variable` is the first
 	double multiplier, variable_offset; ///< its value is multiplier * q[variable] + variable_offset
 	uint32_t variable;
 } lwi_batch_joint;

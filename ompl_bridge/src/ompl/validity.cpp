@@ -35,7 +35,7 @@ std::shared_ptr<const Engine> checkedEngine( const ob::SpaceInformationPtr& si, 
 bool clear( const Options& options, const lw_checker* checker, lw_query* query, const double* q )
 {
 	bool free = false;
-	lw_checker_is_free( checker, query, q, options.flags, options.min_d, &free );
+	lw_checker_is_free( checker, query, q, options.flags, options.min_d, &free, nullptr );
 	return free;
 }
 

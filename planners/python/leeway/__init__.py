@@ -11,10 +11,10 @@ Units are metres and radians. Batches run without the interpreter's lock; thread
 answer. Unusable input raises leeway.Error, which is a ValueError; an error never reads as free.
 """
 from ._core import (Checker, CoreError, Error, InputError, Margins, Outcome, Padding, Reach, Robot, Scene, Shape, Verdict, World,
-    check_spheres, distance)
+    check_spheres, distance, pairs)
 from ._core import version as __version__
 from .results import Clearances, Distance, GoalStates, LinkSpheres, Motions, Plan
 
 __all__ = ["Checker", "Clearances", "CoreError", "Distance", "Error", "GoalStates", "InputError", "LinkSpheres", "Margins", "Motions", "Outcome",
     "Padding", "Plan", "Reach", "Robot", "Scene", "Shape", "Verdict", "World", "__version__", "check_spheres",
-    "distance"]
+    "distance", "pairs"]

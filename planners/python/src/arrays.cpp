@@ -14,6 +14,8 @@ namespace leeway::python
 namespace
 {
 
+using namespace nb::literals;
+
 [[noreturn]] void refuse( const std::string& text )
 {
 	throw nb::value_error( text.c_str() );
@@ -25,16 +27,111 @@ std::string textOf( const nb::object& object )
 	return nb::str( nb::handle( object ) ).c_str();
 }
 
+/// repr( object ) of Python, cut to a line.
+std::string shown( nb::handle object )
+{
+	constexpr std::size_t most = 60;
+	const std::string text = nb::repr( object ).c_str();
+	return text.size() <= most ? text : text.substr( 0, most - 4 ) + " ...";
+}
+
+/// A bool of Python or of NumPy.
+bool isBool( nb::handle object )
+{
+	return PyBool_Check( object.ptr() ) || std::strncmp( Py_TYPE( object.ptr() )->tp_name, "numpy.bool", 10 ) == 0;
+}
+
+/// "[5, 2]", the place of a number in an array of this shape. @param index in C order
+std::string placeText( const nb::object& array, std::size_t index )
+{
+	const nb::module_ numpy = nb::module_::import_( "numpy" );
+	std::string text = "[";
+	for ( const nb::handle i : numpy.attr( "unravel_index" )( index, array.attr( "shape" ) ) )
+	{
+		text += ( text.size() > 1 ? ", " : "" ) + textOf( nb::int_( nb::borrow( i ) ) );
+	}
+	return text + "]";
+}
+
+/// Refuses one number of an array of indices.
+[[noreturn]] void refuseIndex(
+    const std::string& name, const std::string& place, const std::string& problem, const char* unit, std::size_t count )
+{
+	const std::string range = count == 0 ? std::string( "none, as there are no " ) + unit
+	                                     : "whole numbers from 0 to " + std::to_string( count - 1 ) + ", indices of " + unit;
+	refuse( name + place + ": " + problem + "; give " + range );
+}
+
+/// NumPy takes True of a list as 1, and makes all of a list fractions for one of them. @param source of which `given` was made
+void refuseEntries( nb::handle source, const nb::object& given, const char* name, const char* unit, std::size_t count )
+{
+	if ( nb::hasattr( source, "dtype" ) )
+	{
+		return; // its type says it
+	}
+	const nb::object entries =
+	    nb::module_::import_( "numpy" ).attr( "array" )( source, "dtype"_a = "object" ).attr( "ravel" )();
+	const std::string kind = textOf( given.attr( "dtype" ).attr( "kind" ) );
+	const bool large = kind != "i" && kind != "u"; // more than 64 bits
+	std::size_t i = 0;
+	for ( const nb::handle entry : entries )
+	{
+		if ( isBool( entry ) || !PyIndex_Check( entry.ptr() ) )
+		{
+			refuseIndex( name, placeText( given, i ), "is " + shown( entry ) + ", no whole number", unit, count );
+		}
+		if ( large &&
+		     ( nb::int_( nb::borrow( entry ) ) < nb::int_( 0 ) || nb::int_( nb::borrow( entry ) ) >= nb::int_( count ) ) )
+		{
+			refuseIndex( name, placeText( given, i ), "is " + shown( entry ), unit, count );
+		}
+		++i;
+	}
+}
+
+/// The array has only integers: each must be in [0, count).
+void refuseOutside( const nb::object& given, const char* name, const char* unit, std::size_t count )
+{
+	const nb::object least = nb::int_( given.attr( "min" )() ), greatest = nb::int_( given.attr( "max" )() );
+	const bool low = least < nb::int_( 0 );
+	if ( !low && greatest < nb::int_( count ) )
+	{
+		return;
+	}
+	const nb::module_ numpy = nb::module_::import_( "numpy" );
+	const nb::object wrong = low ? numpy.attr( "less" )( given, 0 ) : numpy.attr( "greater_equal" )( given, count );
+	const auto index = nb::cast<std::size_t>( nb::int_( wrong.attr( "argmax" )() ) );
+	refuseIndex( name, placeText( given, index ), "is " + textOf( given.attr( "item" )( index ) ), unit, count );
+}
+
 } // namespace
 
-std::string shapeText( const Doubles& numbers )
+std::uint64_t Whole::in( const char* name, std::uint64_t least, std::uint64_t most ) const
 {
-	std::string text = "(";
-	for ( std::size_t i = 0; i < numbers.dimensions(); ++i )
+	const std::string range = "; give a whole number from " + std::to_string( least ) + " to " + std::to_string( most );
+	nb::object number;
+	if ( !isBool( given ) )
 	{
-		text += ( i > 0 ? ", " : "" ) + std::to_string( numbers.shape( i ) );
+		number = nb::steal( PyNumber_Index( given.ptr() ) );
+		if ( !number.is_valid() )
+		{
+			PyErr_Clear();
+		}
 	}
-	return text + ( numbers.dimensions() == 1 ? ",)" : ")" );
+	if ( !number.is_valid() )
+	{
+		refuse( std::string( name ) + ": is " + shown( given ) + ", no whole number" + range );
+	}
+	if ( number < nb::int_( least ) || number > nb::int_( most ) )
+	{
+		refuse( std::string( name ) + ": is " + shown( number ) + range );
+	}
+	return nb::cast<std::uint64_t>( number );
+}
+
+std::uint64_t Whole::seed() const
+{
+	return in( "seed", 0, std::numeric_limits<std::uint64_t>::max() );
 }
 
 Rows rowsOf( const Doubles& numbers, std::size_t width, const char* name, const char* unit )
@@ -53,7 +150,7 @@ bool isMasked( nb::handle source )
 	return std::strstr( Py_TYPE( source.ptr() )->tp_name, "MaskedArray" ) != nullptr;
 }
 
-Indices indicesOf( nb::handle source, const char* name, const char* unit )
+Indices indicesOf( nb::handle source, const char* name, const char* unit, std::size_t count )
 {
 	const nb::module_ numpy = nb::module_::import_( "numpy" );
 	Indices indices;
@@ -64,7 +161,7 @@ Indices indicesOf( nb::handle source, const char* name, const char* unit )
 	}
 	catch ( const nb::python_error& )
 	{
-		refuse( std::string( name ) + ": is no array of integers" );
+		refuse( std::string( name ) + ": is no array of integers; give rows of equal lengths" );
 	}
 	if ( isMasked( source ) )
 	{
@@ -72,25 +169,19 @@ Indices indicesOf( nb::handle source, const char* name, const char* unit )
 	}
 	if ( nb::cast<std::size_t>( given.attr( "size" ) ) > 0 )
 	{
+		refuseEntries( source, given, name, unit, count );
 		const nb::object type = given.attr( "dtype" );
 		const std::string kind = textOf( type.attr( "kind" ) );
 		if ( kind != "i" && kind != "u" )
 		{
-			refuse( std::string( name ) + ": numbers of type " + textOf( type ) + " are no indices of " + unit +
-			        "; give integers" );
+			refuseIndex( name, placeText( given, 0 ),
+			    "is " + shown( given.attr( "item" )( 0 ) ) + " of type " + textOf( type ), unit, count );
 		}
-		for ( const char* extreme : { "min", "max" } )
-		{
-			const nb::object value = nb::int_( given.attr( extreme )() );
-			if ( value < nb::int_( 0 ) || value > nb::int_( std::numeric_limits<std::uint32_t>::max() ) )
-			{
-				refuse( std::string( name ) + ": " + textOf( value ) + " is no index of " + unit + "; they are counted from 0" );
-			}
-		}
+		refuseOutside( given, name, unit, count );
 	}
 	if ( !nb::try_cast( numpy.attr( "ascontiguousarray" )( given, "uint32" ), indices.array, false ) )
 	{
-		refuse( std::string( name ) + ": is no array of integers" );
+		refuse( std::string( name ) + ": is no array of integers; give rows of equal lengths" );
 	}
 	return indices;
 }

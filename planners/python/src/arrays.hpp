@@ -33,14 +33,34 @@ using Indices = Numbers<std::uint32_t>;
 /// A masked array of NumPy's. By its name: an import for each argument costs more than a small question.
 bool isMasked( nb::handle source );
 
-/// Integers of an argument, each in [0, 2^32). Nothing is rounded or wrapped: numbers of another type than integers are refused. The core refuses those
-/// that are beyond its tables.
-/// @param name of the argument @param unit of which they are indices, such as "vertices"
-/// @throws nb::value_error that names the argument and the first number that is wrong
-Indices indicesOf( nb::handle source, const char* name, const char* unit );
+/// Integers of an argument, each in [0, count). Nothing is rounded or wrapped: numbers of another type than integers are refused, bools too.
+/// @param name of the argument @param unit of which they are indices, such as "vertices" @param count of these, at most 2^32
+/// @throws nb::value_error that names the argument, the first entry that is wrong, its value and the range
+Indices indicesOf( nb::handle source, const char* name, const char* unit, std::size_t count );
+
+/// A count, seed or another whole number of an argument: any object that Python takes as an index, but no bool.
+struct Whole
+{
+	nb::handle given;
+	/// @param name of the argument @throws nb::value_error that names it, the value and the range
+	std::uint64_t in( const char* name, std::uint64_t least, std::uint64_t most ) const;
+	/// Threads side by side; 0 = one per core.
+	unsigned threads() const { return static_cast<unsigned>( in( "threads", 0, most_threads ) ); }
+	/// Any number of 64 bits.
+	std::uint64_t seed() const;
+	static constexpr std::uint64_t most_threads = 4096;
+};
 
 /// "(100, 6)"
-std::string shapeText( const Doubles& numbers );
+template <typename T> std::string shapeText( const Numbers<T>& numbers )
+{
+	std::string text = "(";
+	for ( std::size_t i = 0; i < numbers.dimensions(); ++i )
+	{
+		text += ( i > 0 ? ", " : "" ) + std::to_string( numbers.shape( i ) );
+	}
+	return text + ( numbers.dimensions() == 1 ? ",)" : ")" );
+}
 
 /// Rows of an argument: [n, width], or one row [width].
 struct Rows
@@ -121,6 +141,19 @@ template <typename T> struct type_caster<leeway::python::Numbers<T>>
 		}
 	}
 	static handle from_cpp( const leeway::python::Numbers<T>&, rv_policy, cleanup_list* ) noexcept { return {}; }
+};
+
+/// Takes any object: Whole refuses it with the argument's name.
+template <> struct type_caster<leeway::python::Whole>
+{
+	NB_TYPE_CASTER( leeway::python::Whole, const_name( "int" ) )
+
+	bool from_python( handle source, std::uint8_t, cleanup_list* ) noexcept
+	{
+		value.given = source;
+		return true;
+	}
+	static handle from_cpp( const leeway::python::Whole&, rv_policy, cleanup_list* ) noexcept { return {}; }
 };
 
 } // namespace nanobind::detail

@@ -163,8 +163,9 @@ nb::dict checkerInfo( const PyChecker& checker )
 	return out;
 }
 
-void prepareChecker( const PyChecker& checker, unsigned threads )
+void prepareChecker( const PyChecker& checker, const Whole& given )
 {
+	const unsigned threads = given.threads();
 	lw_diag diag{};
 	lw_status status = LW_OK;
 	{
@@ -462,12 +463,13 @@ void bindCheckers( nb::module_& module )
 	bindProperties( type );
 	bindStates( type );
 	bindMotions( type );
+	bindAudits( module, type );
 	bindGoals( type );
 	bindPlans( module, type );
 	type.def( "full_state", &fullState, "q"_a,
 	    nb::sig( "def full_state(self, q: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]" ),
 	    "States of the whole robot for states of the group: float64 [n, dof] to [n, robot variables]." );
-	type.def( "prepare", &prepareChecker, "threads"_a = 0,
+	type.def( "prepare", &prepareChecker, "threads"_a.none() = 0, nb::sig( "def prepare(self, threads: int = 0) -> None" ),
 	    "Builds the sphere trees that states within the limits can need, so that no later call has to. threads: 0 = one per core." );
 	type.def( "__repr__", &checkerRepr );
 	type.def( "__reduce__", &refusePickle );

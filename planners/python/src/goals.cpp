@@ -6,6 +6,8 @@
 
 #include <nanobind/stl/string.h>
 
+#include <limits>
+
 namespace leeway::python
 {
 
@@ -42,14 +44,14 @@ io::Request requestOf( const PyChecker& checker, const std::string& link, const 
 }
 
 nb::object goalStates( const PyChecker& checker, const std::string& link, const Doubles& pose, const std::string& frame,
-    double position_tolerance, double angle_tolerance, std::size_t count, std::uint64_t seed, double min_d,
+    double position_tolerance, double angle_tolerance, const Whole& count, const Whole& seed, double min_d,
     const std::string& check )
 {
 	const io::Request request =
 	    requestOf( checker, link, poseOf( pose, "pose" ), frame, position_tolerance, angle_tolerance );
 	ik::Options options;
-	options.seed = seed;
-	options.states = count;
+	options.seed = seed.seed();
+	options.states = count.in( "count", 1, std::numeric_limits<std::uint32_t>::max() );
 	options.min_d = min_d;
 	options.flags = checkFlags( check );
 	ik::GoalStates found;
@@ -72,7 +74,7 @@ void bindGoals( nb::class_<PyChecker>& type )
 {
 	const ik::Options defaults;
 	type.def( "goal_states", &goalStates, "link"_a, "pose"_a, nb::kw_only(), "frame"_a = "", "position_tolerance"_a = 1e-4,
-	    "angle_tolerance"_a = 1e-3, "count"_a = defaults.states, "seed"_a = defaults.seed, "min_d"_a = 0.0,
+	    "angle_tolerance"_a = 1e-3, "count"_a.none() = defaults.states, "seed"_a.none() = defaults.seed, "min_d"_a = 0.0,
 	    "check"_a = "both",
 	    nb::sig(
 	        "def goal_states(self, link: str, pose: numpy.typing.ArrayLike, *, frame: str = '', position_tolerance: float = 0.0001, "

@@ -7,6 +7,8 @@
 
 #include <nanobind/stl/string.h>
 
+#include <limits>
+
 namespace
 {
 
@@ -33,11 +35,21 @@ void bindEnumerations( nanobind::module_& module )
 NB_MODULE( _core, module )
 {
 	using namespace leeway::python;
+	nanobind::set_leak_warnings( false ); // Ctrl-C ends a process while its threads hold robots: their memory goes with it
 	module.doc() = "Certified clearance and motion checks of robots: the compiled part of the package leeway.";
 	const std::uint32_t version = lw_version();
 	module.attr( "version" ) = std::to_string( version / 10000 ) + "." + std::to_string( version / 100 % 100 ) + "." +
 	                               std::to_string( version % 100 );
 	bindErrors( module );
+	namespace nb = nanobind;
+	module.def(
+	    "whole_number",
+	    []( const std::string& name, const Whole& value, std::uint64_t least, std::uint64_t most )
+	    { return value.in( name.c_str(), least, most ); },
+	    nb::arg( "name" ), nb::arg( "value" ).none(), nb::arg( "least" ) = 0,
+	    nb::arg( "most" ) = std::numeric_limits<std::int64_t>::max(),
+	    nb::sig( "def whole_number(name: str, value: int, least: int = 0, most: int = 9223372036854775807) -> int" ),
+	    "The value of an argument that is a whole number in [least, most], and no bool. Raises ValueError that names the argument." );
 	bindEnumerations( module );
 	bindShapes( module );
 	bindRobots( module );

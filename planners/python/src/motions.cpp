@@ -24,31 +24,32 @@ constexpr std::size_t block_of_motions = 16;
 }
 
 /// Settings that all motions of a batch share.
-struct Judge
+struct EdgeOptions
 {
 	lw_edge_def def = lw_edge_def_default();
 	Doubles tolerance; ///< keeps def.tolerance alive
 };
 
-Judge judgeOf( const PyChecker& checker, double min_d, double slack, const std::string& check, const nb::object& step,
-    const nb::object& tolerance, bool proved_until )
+EdgeOptions edgeOptions( const PyChecker& checker, double min_d, double slack, const std::string& check, const nb::object& step,
+    const nb::object& tolerance, bool proved_until, double alpha = lw_edge_def_default().alpha )
 {
-	Judge judge;
-	judge.def.min_d = min_d;
-	judge.def.slack = slack;
-	judge.def.flags = checkFlags( check );
-	judge.def.want_proved_until = proved_until;
+	EdgeOptions options;
+	options.def.alpha = alpha;
+	options.def.min_d = min_d;
+	options.def.slack = slack;
+	options.def.flags = checkFlags( check );
+	options.def.want_proved_until = proved_until;
 	if ( !step.is_none() )
 	{
-		judge.def.method = LW_EDGE_STEPS;
-		judge.def.max_d = nb::cast<double>( step );
+		options.def.method = LW_EDGE_STEPS;
+		options.def.max_d = nb::cast<double>( step );
 	}
 	if ( !tolerance.is_none() )
 	{
-		judge.tolerance = nb::cast<Doubles>( tolerance );
-		judge.def.tolerance = vectorOf( judge.tolerance, checker.variables(), "tolerance", "variables of the group" );
+		options.tolerance = nb::cast<Doubles>( tolerance );
+		options.def.tolerance = vectorOf( options.tolerance, checker.variables(), "tolerance", "variables of the group" );
 	}
-	return judge;
+	return options;
 }
 
 /// Arrays of results, one entry for each motion.
@@ -97,10 +98,10 @@ private:
 
 /// @param ask status = ask( query, i, result )
 template <typename Ask>
-nb::object checkAll( const PyChecker& checker, std::size_t count, unsigned threads, const char* name, const Ask& ask )
+nb::object checkAll( const PyChecker& checker, std::size_t count, const Whole& threads, const char* name, const Ask& ask )
 {
 	const Motions motions( checker, count );
-	inBlocks( *checker.queries, count, block_of_motions, threads,
+	inBlocks( *checker.queries, count, block_of_motions, threads.threads(),
 	    [&]( lw_query* query, std::size_t begin, std::size_t end )
 	    {
 		    for ( std::size_t i = begin; i < end; ++i )
@@ -120,7 +121,8 @@ nb::object checkAll( const PyChecker& checker, std::size_t count, unsigned threa
 }
 
 nb::object edges( const PyChecker& checker, const Doubles& a, const Doubles& b, double min_d, double slack,
-    const std::string& check, const nb::object& step, const nb::object& tolerance, bool proved_until, unsigned threads )
+    const std::string& check, const nb::object& step, const nb::object& tolerance, bool proved_until, double alpha,
+    const Whole& threads )
 {
 	const Rows from = rowsOf( a, checker.variables(), "a", "variables of the group" );
 	const Rows to = rowsOf( b, checker.variables(), "b", "variables of the group" );
@@ -128,28 +130,28 @@ nb::object edges( const PyChecker& checker, const Doubles& a, const Doubles& b, 
 	{
 		refuse( "a and b: " + std::to_string( from.count ) + " states beside " + std::to_string( to.count ) );
 	}
-	const Judge judge = judgeOf( checker, min_d, slack, check, step, tolerance, proved_until );
+	const EdgeOptions options = edgeOptions( checker, min_d, slack, check, step, tolerance, proved_until, alpha );
 	return checkAll( checker, from.count, threads, "edge",
 	    [&]( lw_query* query, std::size_t i, lw_edge_result& r )
-	    { return lw_checker_edge( checker.get(), query, from[i], to[i], &judge.def, &r ); } );
+	    { return lw_checker_edge( checker.get(), query, from[i], to[i], &options.def, &r ); } );
 }
 
 nb::object path( const PyChecker& checker, const Doubles& q, double min_d, double slack, const std::string& check,
-    const nb::object& step, const nb::object& tolerance, bool proved_until, unsigned threads )
+    const nb::object& step, const nb::object& tolerance, bool proved_until, double alpha, const Whole& threads )
 {
 	const Rows rows = rowsOf( q, checker.variables(), "q", "variables of the group" );
 	if ( rows.count < 2 )
 	{
 		refuse( "q: a path has at least 2 states" );
 	}
-	const Judge judge = judgeOf( checker, min_d, slack, check, step, tolerance, proved_until );
+	const EdgeOptions options = edgeOptions( checker, min_d, slack, check, step, tolerance, proved_until, alpha );
 	return checkAll( checker, rows.count - 1, threads, "edge",
 	    [&]( lw_query* query, std::size_t i, lw_edge_result& r )
-	    { return lw_checker_edge( checker.get(), query, rows[i], rows[i + 1], &judge.def, &r ); } );
+	    { return lw_checker_edge( checker.get(), query, rows[i], rows[i + 1], &options.def, &r ); } );
 }
 
 nb::object curves( const PyChecker& checker, const Doubles& points, double min_d, double slack, const std::string& check,
-    const nb::object& tolerance, unsigned threads )
+    const nb::object& tolerance, const Whole& threads )
 {
 	const std::size_t width = checker.variables();
 	if ( points.dimensions() != 3 || points.shape( 2 ) != width || points.shape( 1 ) < 2 ||
@@ -158,99 +160,26 @@ nb::object curves( const PyChecker& checker, const Doubles& points, double min_d
 		refuse( "points: shape " + shapeText( points ) + " is not (n, degree + 1, " + std::to_string( width ) +
 		        ") with a degree of 1 to " + std::to_string( static_cast<int>( LW_CURVE_MOST_DEGREE ) ) );
 	}
-	const Judge judge = judgeOf( checker, min_d, slack, check, nb::none(), tolerance, false );
+	const EdgeOptions options = edgeOptions( checker, min_d, slack, check, nb::none(), tolerance, false );
 	const auto degree = static_cast<std::uint32_t>( points.shape( 1 ) - 1 );
 	const std::size_t size = points.shape( 1 ) * width;
 	const double* data = points.data();
 	return checkAll( checker, points.shape( 0 ), threads, "curve",
 	    [&]( lw_query* query, std::size_t i, lw_edge_result& r )
-	    { return lw_checker_curve( checker.get(), query, data + i * size, degree, &judge.def, &r ); } );
+	    { return lw_checker_curve( checker.get(), query, data + i * size, degree, &options.def, &r ); } );
 }
 
-/// Control points of the pieces between the points of a trajectory: core/docs/motions.md.
-struct Pieces
-{
-	std::size_t width = 0, count = 0, degree = 1;
-	std::vector<double> points; ///< [count][degree + 1][width]
-	const double* operator[]( std::size_t i ) const { return points.data() + i * ( degree + 1 ) * width; }
-};
-
-void addPiece( double h, const Rows& q, const Rows& v, const Rows& a, std::size_t i, Pieces& pieces )
-{
-	const std::size_t width = pieces.width, degree = pieces.degree;
-	double* out = pieces.points.data() + i * ( degree + 1 ) * width;
-	for ( std::size_t k = 0; k < width; ++k )
-	{
-		const auto point = [&]( std::size_t n ) -> double& { return out[n * width + k]; };
-		const double p0 = q[i][k], p1 = q[i + 1][k];
-		point( 0 ) = p0;
-		point( degree ) = p1;
-		if ( degree == 3 )
-		{
-			point( 1 ) = p0 + h * v[i][k] / 3;
-			point( 2 ) = p1 - h * v[i + 1][k] / 3;
-		}
-		else if ( degree == 5 )
-		{
-			const double v0 = v[i][k], v1 = v[i + 1][k], a0 = a[i][k], a1 = a[i + 1][k];
-			point( 1 ) = p0 + h * v0 / 5;
-			point( 2 ) = p0 + 2 * h * v0 / 5 + h * h * a0 / 20;
-			point( 3 ) = p1 - 2 * h * v1 / 5 + h * h * a1 / 20;
-			point( 4 ) = p1 - h * v1 / 5;
-		}
-	}
-}
-
-Rows derivativesOf( const nb::object& given, const Rows& q, const char* name, Doubles& keep )
-{
-	if ( given.is_none() )
-	{
-		return {};
-	}
-	keep = nb::cast<Doubles>( given );
-	const Rows rows = rowsOf( keep, q.width, name, "variables of the group" );
-	if ( rows.count != q.count )
-	{
-		refuse( std::string( name ) + ": " + std::to_string( rows.count ) + " rows beside " + std::to_string( q.count ) +
-		        " positions" );
-	}
-	return rows;
-}
-
-nb::object trajectory( const PyChecker& checker, const Doubles& times, const Doubles& positions,
+nb::object trajectory( const PyChecker& checker, const Doubles& times, const nb::object& positions,
     const nb::object& velocities, const nb::object& accelerations, double min_d, double slack, const std::string& check,
-    const nb::object& tolerance, unsigned threads )
+    const nb::object& tolerance, const Whole& threads )
 {
-	const Rows q = rowsOf( positions, checker.variables(), "positions", "variables of the group" );
-	const double* t = vectorOf( times, q.count, "times", "seconds, one for each position" );
-	Doubles keep_velocities, keep_accelerations;
-	const Rows v = derivativesOf( velocities, q, "velocities", keep_velocities );
-	const Rows a = derivativesOf( accelerations, q, "accelerations", keep_accelerations );
-	if ( q.count < 2 || ( a.data != nullptr && v.data == nullptr ) )
-	{
-		refuse( "positions: a trajectory has at least 2, and velocities if it has accelerations" );
-	}
-	Pieces pieces;
-	pieces.width = q.width;
-	pieces.count = q.count - 1;
-	pieces.degree = a.data != nullptr ? 5 : v.data != nullptr ? 3 : 1;
-	pieces.points.resize( pieces.count * ( pieces.degree + 1 ) * pieces.width );
-	for ( std::size_t i = 0; i < pieces.count; ++i )
-	{
-		const double h = t[i + 1] - t[i];
-		if ( !( h > 0 ) || !std::isfinite( h ) )
-		{
-			refuse( "times[" + std::to_string( i + 1 ) + "]: is not after the time before it" );
-		}
-		addPiece( h, q, v, a, i, pieces );
-	}
-	const Judge judge = judgeOf( checker, min_d, slack, check, nb::none(), tolerance, true );
-	return checkAll( checker, pieces.count, threads, "piece",
+	const motions::TrajectoryFile file = trajectoryOf( checker, times, positions, velocities, accelerations );
+	const std::vector<motions::Segment> pieces =
+	    motions::segmentsOf( *checker.problem, file, motions::Interpolation::automatic, 0 );
+	const EdgeOptions options = edgeOptions( checker, min_d, slack, check, nb::none(), tolerance, true );
+	return checkAll( checker, pieces.size(), threads, "piece",
 	    [&]( lw_query* query, std::size_t i, lw_edge_result& r )
-	    {
-		    return lw_checker_curve(
-		        checker.get(), query, pieces[i], static_cast<std::uint32_t>( pieces.degree ), &judge.def, &r );
-	    } );
+	    { return lw_checker_curve( checker.get(), query, pieces[i].points.data(), pieces[i].degree, &options.def, &r ); } );
 }
 
 } // namespace
@@ -258,28 +187,29 @@ nb::object trajectory( const PyChecker& checker, const Doubles& times, const Dou
 void bindMotions( nb::class_<PyChecker>& type )
 {
 	constexpr double slack = 1e-3;
+	const double alpha = lw_edge_def_default().alpha;
 	type.def( "edges", &edges, "a"_a, "b"_a, nb::kw_only(), "min_d"_a = 0.0, "slack"_a = slack, "check"_a = "both",
-	    "step"_a = nb::none(), "tolerance"_a = nb::none(), "proved_until"_a = false, "threads"_a = 1,
+	    "step"_a = nb::none(), "tolerance"_a = nb::none(), "proved_until"_a = false, "alpha"_a = alpha, "threads"_a.none() = 1,
 	    nb::sig(
 	        "def edges(self, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike, *, min_d: float = 0.0, slack: float = 0.001, "
 	        "check: str = 'both', step: float | None = None, tolerance: numpy.typing.ArrayLike | None = None, "
-	        "proved_until: bool = False, threads: int = 1) -> leeway.results.Motions" ),
+	        "proved_until: bool = False, alpha: float = 0.1, threads: int = 1) -> leeway.results.Motions" ),
 	    "Checks the straight edges from a[i] to b[i]: both ends and everything between.\n\n"
 	    "a, b: float64 [n, dof] or [dof], radians and metres. min_d: metres, the edge must keep every clearance above it. slack:\n"
 	    "metres, clearances in (min_d, min_d + slack] may be UNDECIDED. step: None = a proof; else metres, only states are checked\n"
 	    "between which no robot point moves farther. tolerance: float64 [dof], FREE holds for every motion within it. proved_until:\n"
-	    "also compute it for edges that are not FREE. threads: 0 = one per core; it changes no bit of an answer.\n\n"
+	    "also compute it for edges that are not FREE. alpha: relative tolerance of distances on the way. threads: 0 = one per core; it changes no bit of an answer.\n\n"
 	    "Returns arrays [n]: verdicts (leeway.Verdict), t of the colliding or undecided state, proved lower bounds of all clearances,\n"
 	    "shares proved, and of the deciding pair: indices into `names`, clearance, witnesses [n, 2, 3]." );
 	type.def( "path", &path, "q"_a, nb::kw_only(), "min_d"_a = 0.0, "slack"_a = slack, "check"_a = "both",
-	    "step"_a = nb::none(), "tolerance"_a = nb::none(), "proved_until"_a = false, "threads"_a = 1,
+	    "step"_a = nb::none(), "tolerance"_a = nb::none(), "proved_until"_a = false, "alpha"_a = alpha, "threads"_a.none() = 1,
 	    nb::sig(
 	        "def path(self, q: numpy.typing.ArrayLike, *, min_d: float = 0.0, slack: float = 0.001, check: str = 'both', "
 	        "step: float | None = None, tolerance: numpy.typing.ArrayLike | None = None, proved_until: bool = False, "
-	        "threads: int = 1) -> leeway.results.Motions" ),
+	        "alpha: float = 0.1, threads: int = 1) -> leeway.results.Motions" ),
 	    "edges( q[:-1], q[1:] ): the n - 1 edges of a path, float64 [n, dof]." );
 	type.def( "curves", &curves, "points"_a, nb::kw_only(), "min_d"_a = 0.0, "slack"_a = slack, "check"_a = "both",
-	    "tolerance"_a = nb::none(), "threads"_a = 1,
+	    "tolerance"_a = nb::none(), "threads"_a.none() = 1,
 	    nb::sig(
 	        "def curves(self, points: numpy.typing.ArrayLike, *, min_d: float = 0.0, slack: float = 0.001, check: str = 'both', "
 	        "tolerance: numpy.typing.ArrayLike | None = None, threads: int = 1) -> leeway.results.Motions" ),
@@ -287,7 +217,7 @@ void bindMotions( nb::class_<PyChecker>& type )
 	    "results as for edges()." );
 	type.def( "trajectory", &trajectory, "times"_a, "positions"_a, "velocities"_a = nb::none(),
 	    "accelerations"_a = nb::none(), nb::kw_only(), "min_d"_a = 0.0, "slack"_a = slack, "check"_a = "both",
-	    "tolerance"_a = nb::none(), "threads"_a = 1,
+	    "tolerance"_a = nb::none(), "threads"_a.none() = 1,
 	    nb::sig(
 	        "def trajectory(self, times: numpy.typing.ArrayLike, positions: numpy.typing.ArrayLike, "
 	        "velocities: numpy.typing.ArrayLike | None = None, accelerations: numpy.typing.ArrayLike | None = None, *, "
@@ -296,7 +226,7 @@ void bindMotions( nb::class_<PyChecker>& type )
 	    "Checks a timed trajectory at all times, as a joint trajectory controller drives it: pieces between its points are quintic\n"
 	    "with velocities and accelerations, cubic with velocities, else straight.\n\n"
 	    "times: float64 [n], seconds, rising. positions, velocities, accelerations: float64 [n, dof]. Angles do not wrap.\n"
-	    "Results as for edges(), one for each of the n - 1 pieces; t is a share of the piece. Limits of joints are not compared." );
+	    "Results as for edges(), one for each of the n - 1 pieces; t is a share of the piece. audit_trajectory() compares limits of joints too." );
 }
 
 } // namespace leeway::python

@@ -4,6 +4,7 @@
 
 #include "leeway/handles.hpp"
 #include "leeway/io/world.hpp"
+#include "leeway/motions/trajectory.hpp"
 
 #include "arrays.hpp"
 
@@ -114,6 +115,10 @@ void bindScenes( nb::module_& module );
 void bindCheckers( nb::module_& module );
 void bindStates( nb::class_<PyChecker>& type );
 void bindMotions( nb::class_<PyChecker>& type );
+/// Arrays as a trajectory of the checker's variables. @throws nb::value_error
+motions::TrajectoryFile trajectoryOf( const PyChecker& checker, const Doubles& times, const nb::object& positions,
+    const nb::object& velocities, const nb::object& accelerations );
+void bindAudits( nb::module_& module, nb::class_<PyChecker>& type );
 void bindGoals( nb::class_<PyChecker>& type );
 void bindPlans( nb::module_& module, nb::class_<PyChecker>& type );
 void bindReach( nb::module_& module );

@@ -139,19 +139,22 @@ void bindPlans( nb::module_&, nb::class_<PyChecker>& type )
 	const lw_plan_def def = lw_plan_def_default();
 	type.def(
 	    "plan",
-	    []( const PyChecker& checker, const Doubles& start, const Doubles& goal, double seconds, std::uint64_t seed,
-	        std::uint32_t threads, double min_d, double slack, const std::string& check, double range, bool smooth,
-	        double optimize_seconds, std::uint64_t optimize_samples, std::uint64_t most_nodes, const nb::object& lower,
+	    []( const PyChecker& checker, const Doubles& start, const Doubles& goal, double seconds, const Whole& seed,
+	        const Whole& threads, double min_d, double slack, const std::string& check, double range, bool smooth,
+	        double optimize_seconds, const Whole& optimize_samples, const Whole& most_nodes, const nb::object& lower,
 	        const nb::object& upper )
 	    {
+		    constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
 		    return plan( checker, start, goal,
-		        { seconds, min_d, slack, range, optimize_seconds, seed, most_nodes, optimize_samples, threads, smooth },
+		        { seconds, min_d, slack, range, optimize_seconds, seed.seed(),
+		            most_nodes.in( "most_nodes", 2, std::numeric_limits<std::uint32_t>::max() ),
+		            optimize_samples.in( "optimize_samples", 0, most ), threads.threads(), smooth },
 		        check, lower, upper );
 	    },
-	    "start"_a, "goal"_a, nb::kw_only(), "seconds"_a = infinity, "seed"_a = 1, "threads"_a = 1, "min_d"_a = 0.0,
-	    "slack"_a = 1e-3, "check"_a = "both", "range"_a = 0.0, "smooth"_a = true, "optimize_seconds"_a = 0.0,
-	    "optimize_samples"_a = def.optimize_samples, "most_nodes"_a = def.most_nodes, "lower"_a = nb::none(),
-	    "upper"_a = nb::none(),
+	    "start"_a, "goal"_a, nb::kw_only(), "seconds"_a = infinity, "seed"_a.none() = 1, "threads"_a.none() = 1,
+	    "min_d"_a = 0.0, "slack"_a = 1e-3, "check"_a = "both", "range"_a = 0.0, "smooth"_a = true,
+	    "optimize_seconds"_a = 0.0, "optimize_samples"_a.none() = def.optimize_samples,
+	    "most_nodes"_a.none() = def.most_nodes, "lower"_a = nb::none(), "upper"_a = nb::none(),
 	    nb::sig(
 	        "def plan(self, start: numpy.typing.ArrayLike, goal: numpy.typing.ArrayLike, *, seconds: float = float('inf'), "
 	        "seed: int = 1, threads: int = 1, min_d: float = 0.0, slack: float = 0.001, check: str = 'both', range: float = 0.0, "

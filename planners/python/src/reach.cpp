@@ -17,13 +17,13 @@ namespace
 using namespace nb::literals;
 
 void makeReach(
-    PyReach* self, const PyRobot& robot, double seconds, const std::string& cache, unsigned threads, std::uint64_t seed )
+    PyReach* self, const PyRobot& robot, double seconds, const std::string& cache, const Whole& threads, const Whole& seed )
 {
 	io::ReachOptions options;
 	options.cache = cache;
-	options.threads = threads;
+	options.threads = threads.threads();
 	options.def.seconds = seconds;
-	options.def.seed = seed;
+	options.def.seed = seed.seed();
 	const nb::gil_scoped_release unlocked;
 	PyReach made{ io::loadReach( robot.robot, options ) };
 	new ( self ) PyReach( std::move( made ) );
@@ -70,7 +70,9 @@ void bindReach( nb::module_& module )
 	    "Motion hulls of a robot and the pairs of its links that never meet, proved. Checkers become faster with it and give the same\n"
 	    "answers." );
 	type.def( "__init__", &makeReach, "robot"_a, nb::kw_only(), "seconds"_a = io::default_proof_seconds, "cache"_a = "",
-	    "threads"_a = 0, "seed"_a = lw_reach_def_default().seed,
+	    "threads"_a.none() = 0, "seed"_a.none() = lw_reach_def_default().seed,
+	    nb::sig(
+	        "def __init__(self, robot: Robot, *, seconds: float = ..., cache: str = '', threads: int = 0, seed: int = 1) -> None" ),
 	    "seconds: time for proofs. cache: a folder that keeps them; the next call goes on from there. threads: 0 = one per core." );
 	type.def_prop_ro( "pairs", &pairClasses,
 	    "(link, link, class) of all pairs with geometry; class: \"rigid\", \"adjacent\", \"allowed\" (by the SRDF), \"never\" (proved apart in\n"

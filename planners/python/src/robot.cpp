@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include <stdlib.h>
 
@@ -265,14 +266,14 @@ nb::dict collision( const PyRobot& robot )
 }
 
 nb::dict spheres(
-    const PyRobot& robot, double excess, std::uint32_t count, double close_holes, double seconds, unsigned threads )
+    const PyRobot& robot, double excess, const Whole& count, double close_holes, double seconds, const Whole& threads )
 {
 	io::SpherizeOptions options;
 	options.excess = excess;
-	options.sphere_count = count;
+	options.sphere_count = static_cast<std::uint32_t>( count.in( "count", 0, std::numeric_limits<std::uint32_t>::max() ) );
 	options.close_holes = close_holes;
 	options.seconds = seconds;
-	options.threads = threads;
+	options.threads = threads.threads();
 	std::vector<io::LinkSpheres> links;
 	{
 		const nb::gil_scoped_release unlocked;
@@ -363,8 +364,8 @@ void bindFunctions( nb::class_<PyRobot>& type )
 	             "numpy.typing.NDArray[numpy.float64]" ),
 	    "States at t in [0, 1] on the straight edge from robot state a to b: [variables] for a number t, [m, variables] for t [m].\n"
 	    "Endless joints take the shorter way, quaternions slerp." );
-	type.def( "spheres", &spheres, nb::kw_only(), "excess"_a = 0.0, "count"_a = 0, "close_holes"_a = 0.0, "seconds"_a = 0.0,
-	    "threads"_a = 0,
+	type.def( "spheres", &spheres, nb::kw_only(), "excess"_a = 0.0, "count"_a.none() = 0, "close_holes"_a = 0.0,
+	    "seconds"_a = 0.0, "threads"_a.none() = 0,
 	    nb::sig( "def spheres(self, *, excess: float = 0.0, count: int = 0, close_holes: float = 0.0, seconds: float = 0.0, "
 	             "threads: int = 0) -> dict[str, leeway.results.LinkSpheres]" ),
 	    "Few spheres around each link, proved to enclose it: (spheres float64 [n, 4], excess in metres, encloses) by link. Give the\n"

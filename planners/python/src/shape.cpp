@@ -33,10 +33,12 @@ Shape meshShape( const Doubles& vertices, const nb::object& corners, bool solid,
 	lw_mesh_def def = lw_mesh_def_default();
 	def.vertices = tableOf( vertices, 3, "vertices" );
 	def.vertex_count = static_cast<std::uint32_t>( vertices.shape( 0 ) );
-	const Indices triangles = indicesOf( corners, "triangles", "vertices" );
+	const Indices triangles = indicesOf( corners, "triangles", "vertices", vertices.shape( 0 ) );
 	if ( triangles.dimensions() != 2 || triangles.shape( 1 ) != 3 || triangles.shape( 0 ) > std::numeric_limits<std::uint32_t>::max() )
 	{
-		throw nb::value_error( "triangles: the shape is not (n, 3)" );
+		const std::string text =
+		    "triangles: shape " + shapeText( triangles ) + " is not (n, 3); give rows of three indices of vertices";
+		throw nb::value_error( text.c_str() );
 	}
 	def.indices = triangles.data();
 	def.triangle_count = static_cast<std::uint32_t>( triangles.shape( 0 ) );
@@ -199,7 +201,7 @@ nb::object shapeDistance( const Shape& a, const nb::object& pose_a, const Shape&
 }
 
 /// The spheres, and a dictionary of the report.
-nb::tuple enclosingSpheres( const Shape& shape, double excess, std::uint32_t count, double close_holes )
+nb::tuple enclosingSpheres( const Shape& shape, double excess, const Whole& count, double close_holes )
 {
 	lw_spheres_def def = lw_spheres_def_default();
 	const lw_shape* given = shape.get();
@@ -207,7 +209,7 @@ nb::tuple enclosingSpheres( const Shape& shape, double excess, std::uint32_t cou
 	def.body.shape_count = 1;
 	def.body.close_holes = close_holes;
 	def.excess = excess;
-	def.sphere_count = count;
+	def.sphere_count = static_cast<std::uint32_t>( count.in( "count", 0, std::numeric_limits<std::uint32_t>::max() ) );
 	lw_diag diag{};
 	lw_spheres* made = nullptr;
 	lw_status status = LW_OK;
@@ -332,7 +334,8 @@ void bindShapes( nb::module_& module )
 	    "32 hexadecimal digits: equal shapes have equal digests." );
 	type.def( "simplify", &simplified, "tolerance"_a,
 	    "A coarser shape that contains this one and exceeds it by at most `tolerance` metres; .excess has the proved bound." );
-	type.def( "enclosing_spheres", &enclosingSpheres, nb::kw_only(), "excess"_a = 0.0, "count"_a = 0, "close_holes"_a = 0.0,
+	type.def( "enclosing_spheres", &enclosingSpheres, nb::kw_only(), "excess"_a = 0.0, "count"_a.none() = 0,
+	    "close_holes"_a = 0.0,
 	    nb::sig( "def enclosing_spheres(self, *, excess: float = 0.0, count: int = 0, close_holes: float = 0.0) -> "
 	             "tuple[numpy.typing.NDArray[numpy.float64], dict[str, object]]" ),
 	    "Few spheres that enclose the shape, proved: float64 [n, 4], x, y, z and radius, metres, and a report. Give the excess in metres\n"

@@ -4,8 +4,10 @@
 
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace leeway::python
 {
@@ -76,7 +78,7 @@ struct Answers
 };
 
 nb::object clearance( const PyChecker& checker, const Doubles& q, const std::string& check, double min_d, double max_d,
-    double alpha, bool witnesses, unsigned threads )
+    double alpha, bool witnesses, const Whole& threads )
 {
 	const Rows rows = rowsOf( q, checker.variables(), "q", "variables of the group" );
 	const lw_check_flags flags = checkFlags( check );
@@ -91,7 +93,7 @@ nb::object clearance( const PyChecker& checker, const Doubles& q, const std::str
 	                                           : NewArray<double>( { n, 2, 3 } );
 	const Answers answers = { lower.data, upper.data, pairs.data, witnesses ? points.data : nullptr,
 	    lw_robot_link_count( lw_checker_robot( checker.get() ) ) };
-	inBlocks( *checker.queries, n, block_of_states, threads,
+	inBlocks( *checker.queries, n, block_of_states, threads.threads(),
 	    [&]( lw_query* query, std::size_t begin, std::size_t end )
 	    {
 		    for ( std::size_t i = begin; i < end; ++i )
@@ -109,22 +111,26 @@ nb::object clearance( const PyChecker& checker, const Doubles& q, const std::str
 	    "Clearances", nb::make_tuple( lower.object, upper.object, pairs.object, witnesses ? points.object : nb::none() ) );
 }
 
-nb::object isFree( const PyChecker& checker, const Doubles& q, double min_d, const std::string& check, unsigned threads )
+nb::object isFree( const PyChecker& checker, const Doubles& q, double min_d, const std::string& check, const Whole& threads )
 {
 	const Rows rows = rowsOf( q, checker.variables(), "q", "variables of the group" );
 	const lw_check_flags flags = checkFlags( check );
 	const NewArray<bool> free = rows.single ? NewArray<bool>( {} ) : NewArray<bool>( { rows.count } );
-	inBlocks( *checker.queries, rows.count, block_of_states, threads,
+	inBlocks( *checker.queries, rows.count, block_of_states, threads.threads(),
 	    [&]( lw_query* query, std::size_t begin, std::size_t end )
 	    {
 		    const auto count = static_cast<std::uint32_t>( end - begin );
-		    if ( lw_checker_states( checker.get(), query, rows[begin], count, flags, min_d, free.data + begin ) == LW_OK )
+		    std::vector<lw_verdict> verdicts( count );
+		    if ( lw_checker_states( checker.get(), query, rows[begin], count, flags, min_d, LW_STATES_FULL, verdicts.data(),
+		             nullptr ) == LW_OK )
 		    {
+			    std::transform( verdicts.begin(), verdicts.end(), free.data + begin,
+			        []( lw_verdict verdict ) { return verdict == LW_VERDICT_FREE; } );
 			    return;
 		    }
 		    for ( std::size_t i = begin; i < end; ++i ) // one of these is bad
 		    {
-			    const lw_status status = lw_checker_is_free( checker.get(), query, rows[i], flags, min_d, free.data + i );
+			    const lw_status status = lw_checker_is_free( checker.get(), query, rows[i], flags, min_d, free.data + i, nullptr );
 			    if ( status != LW_OK )
 			    {
 				    failState( status, rows, i );
@@ -140,7 +146,7 @@ void bindStates( nb::class_<PyChecker>& type )
 {
 	constexpr double infinity = std::numeric_limits<double>::infinity();
 	type.def( "clearance", &clearance, "q"_a, nb::kw_only(), "check"_a = "both", "min_d"_a = 0.0, "max_d"_a = infinity,
-	    "alpha"_a = 0.0, "witnesses"_a = true, "threads"_a = 1,
+	    "alpha"_a = 0.0, "witnesses"_a = true, "threads"_a.none() = 1,
 	    nb::sig(
 	        "def clearance(self, q: numpy.typing.ArrayLike, *, check: str = 'both', min_d: float = 0.0, "
 	        "max_d: float = float('inf'), alpha: float = 0.0, witnesses: bool = True, threads: int = 1) -> leeway.results.Clearances" ),
@@ -152,7 +158,7 @@ void bindStates( nb::class_<PyChecker>& type )
 	    "A pair is two indices into `names`: a link, and an object or a link; -1 if none is near. Witnesses are points in the world, on\n"
 	    "the first and the second of the pair; NaN if none is near, None if not wanted. For one state the arrays have no first axis.\n"
 	    "Raises CoreError for a state that is not finite." );
-	type.def( "is_free", &isFree, "q"_a, nb::kw_only(), "min_d"_a = 0.0, "check"_a = "both", "threads"_a = 1,
+	type.def( "is_free", &isFree, "q"_a, nb::kw_only(), "min_d"_a = 0.0, "check"_a = "both", "threads"_a.none() = 1,
 	    nb::sig(
 	        "def is_free(self, q: numpy.typing.ArrayLike, *, min_d: float = 0.0, check: str = 'both', threads: int = 1) -> "
 	        "numpy.typing.NDArray[numpy.bool_]" ),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""bench_planning --row --paths on one small problem, and the referee on its file."""
+"""leeway-bench planning --row --paths on one small problem, and the referee on its file."""
 import json
 import os
 import shutil
@@ -10,7 +10,7 @@ import pytest
 
 from conftest import FIRST
 
-PROGRAM = os.environ.get("LEEWAY_BENCH_PLANNING", "")
+PROGRAM = os.environ.get("LEEWAY_BENCH", "")
 if os.environ.get("LEEWAY_PYTHON_EXTRAS") != "required":
     for name in ("distributed", "pyarrow", "pandas", "matplotlib"):
         pytest.importorskip(name)
@@ -45,8 +45,8 @@ def data(tmp_path_factory, checker, ends):
 def lines(data):
     """The paths of the first row and of those that are asked for by name."""
     file = data / "paths.jsonl"
-    assert PROGRAM, "LEEWAY_BENCH_PLANNING names no program: build the target bench_planning, or run the tests by ctest"
-    done = subprocess.run([PROGRAM, "--data", data, "--only", "desk_panda", "--problems", "1", "--runs", "2", "--seconds", "20", "--budget", "0.1",
+    assert PROGRAM, "LEEWAY_BENCH names no program: build the target leeway-bench, or run the tests by ctest"
+    done = subprocess.run([PROGRAM, "planning", "--data", data, "--only", "desk_panda", "--problems", "1", "--runs", "2", "--seconds", "20", "--budget", "0.1",
         "--row", "own states", "--paths", file], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=250)
     assert done.returncode == 0, done.stdout
     return [json.loads(line) for line in file.read_text().splitlines()]

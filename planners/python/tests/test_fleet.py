@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Campaigns: equal bytes for any workers, shards and deaths; faults are found and mended; other manifests are refused."""
+import contextlib
 import errno
 import json
 import os
@@ -15,6 +16,7 @@ import pytest
 
 import leeway
 from conftest import FIRST, ROOT
+from fleet_processes import SMALL, command, files, start_scheduler, start_worker
 
 if os.environ.get("LEEWAY_PYTHON_EXTRAS") != "required":
     for name in ("distributed", "pyarrow"):
@@ -24,42 +26,13 @@ import pyarrow.parquet
 from leeway.fleet import FleetError, run, status, verify
 from leeway.fleet import manifest, seeds, shard, tables
 from leeway.fleet.files import digest_of_file
-from leeway.fleet.plan import identity_of
-
-SMALL = f"""
-name = "small"
-seed = 5
-shard_rows = 512
-[robots.arm]
-urdf = "{FIRST}/arm.urdf"
-srdf = "{FIRST}/arm.srdf"
-group = "arm"
-[scenes.desk]
-file = "{FIRST}/scene.yaml"
-[[work]]
-kind = "states"
-scenes = ["desk"]
-rows = 2000
-[[work]]
-kind = "edges"
-scenes = ["desk"]
-rows = 600
-audit = 0.1
-audit_step = 0.05
-"""
-
+from leeway.fleet.plan import identity_of, shards_of
 
 @pytest.fixture
 def small(tmp_path):
     file = tmp_path / "small.toml"
     file.write_text(SMALL)
     return file
-
-
-def files(folder):
-    """Name and bytes of each result."""
-    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in sorted(pathlib.Path(folder).rglob("*"))
-        if path.suffix in (".parquet", ".json") and not path.name.endswith("times.parquet")}
 
 
 @pytest.fixture(scope="module")
@@ -70,10 +43,6 @@ def expected(tmp_path_factory):
     found = run(folder / "small.toml", folder / "out", workers=0, quiet=True)
     assert found.complete and not found.failures
     return folder / "out"
-
-
-def command(*arguments, **options):
-    return subprocess.Popen([sys.executable, "-m", "leeway.fleet", *map(str, arguments)], **options)
 
 
 def test_processes_give_the_bytes_of_one_process(small, expected, tmp_path):
@@ -193,23 +162,6 @@ def dask_setup(worker):
     assert done.returncode == 0 and files(tmp_path / "out") == files(expected), out
 
 
-def start_scheduler(folder):
-    """(process, address)"""
-    address_file = folder / "address.json"
-    scheduler = subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
-        "--scheduler-file", address_file], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    for _ in range(600):
-        if address_file.exists() and address_file.read_text().rstrip().endswith("}"):
-            break
-        time.sleep(0.1)
-    return scheduler, json.loads(address_file.read_text())["address"]
-
-
-def start_worker(address, threads=1):
-    return subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_worker", address, "--nworkers", "1", "--nthreads", str(threads), "--no-dashboard",
-        "--death-timeout", "20"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-
 @pytest.fixture
 def cluster(tmp_path):
     """A scheduler and a worker as on other machines: (address, processes)."""
@@ -243,8 +195,8 @@ def test_workers_that_join_late_get_work(expected, small, tmp_path):
 
 
 def test_workers_and_schedulers_that_cannot_be_are_refused(small, tmp_path):
-    for options, message in (({"workers": -3}, "workers: is -3"), ({"scheduler": "nonsense"}, "nonsense: cannot be reached.*address that dask scheduler prints")):
-        with pytest.raises(FleetError, match=message):
+    for options, message in (({"workers": -3}, "workers: is -3; give a whole number from 0"), ({"scheduler": "nonsense"}, "nonsense: cannot be reached.*address that dask scheduler prints")):
+        with pytest.raises(ValueError, match=message):
             run(small, tmp_path / "out", quiet=True, **options)
     (tmp_path / "file").write_text("")
     with pytest.raises(FleetError, match="file: cannot hold results: .*; give another --out"):
@@ -255,10 +207,11 @@ def test_the_death_of_a_scheduler_is_told_and_loses_nothing(expected, small, tmp
     big = tmp_path / "big.toml"
     big.write_text(SMALL.replace("rows = 2000\n", "rows = 2000000\n"))
     done = command("run", big, "--out", tmp_path / "big", "--scheduler", cluster[0], "--quiet", stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    for _ in range(2000):
-        if list((tmp_path / "big").rglob("00000[3-9].parquet")):
-            break
-        time.sleep(0.1)
+    for _ in range(400):  # a file that has no record yet does not count as done
+        with contextlib.suppress(FleetError):
+            if status(tmp_path / "big").done >= 1:
+                break
+        time.sleep(0.5)
     cluster[1].kill()
     out, _ = done.communicate(timeout=280)
     assert done.returncode in (1, 2) and ("the connection is lost" in out or "goes on where it was" in out), out
@@ -320,6 +273,12 @@ def test_rows_made_again_are_compared(small, tmp_path):
     path.write_bytes(tables.file_of(lie))
     records[0]["sha256"] = digest_of_file(path)
     manifest.write_manifest(out, plan, records)
+    assert verify(out).faults == {records[0]["file"]: "has other rows than the recorded ones"}
+    about = json.loads(lie.schema.metadata[b"leeway"])
+    records[0]["content"] = about["content"] = shard.content_of_file(path, shards_of(plan)[0])  # a forger can compute it
+    path.write_bytes(tables.file_of(lie.replace_schema_metadata({"leeway": json.dumps(about)})))
+    records[0]["sha256"] = digest_of_file(path)
+    manifest.write_manifest(out, plan, records)
     assert verify(out).sound and verify(out, small, remake=6).different == [records[0]["file"]]
 
 
@@ -328,8 +287,8 @@ def test_other_manifests_are_refused_with_a_remedy(small, tmp_path):
     run(small, out, workers=0, quiet=True)
     path = out / "manifest.json"
     good = path.read_text()
-    path.write_text(good.replace('"format": 2', '"format": 99'))
-    with pytest.raises(FleetError, match="is 99, and this version of leeway knows 2; go on with leeway"):
+    path.write_text(good.replace('"format": 3', '"format": 99'))
+    with pytest.raises(FleetError, match="is 99, and this version of leeway knows 3; go on with leeway"):
         run(small, out, workers=0, quiet=True)
     path.write_text(good)
     _, records = manifest.read_manifest(out)
@@ -388,7 +347,7 @@ MISTAKES = {
     'scenes = ["desk"]\nrows = 2000': ('scenes = ["table"]\nrows = 2000', r"work\[0\].scenes: names 'table'.*it has desk"),
     "[robots.arm]": ("[robots.arm", "TOML"),
     f'file = "{FIRST}/scene.yaml"': ('count = 3', "has both or none of file and generator"),
-    f'urdf = "{FIRST}/arm.urdf"': ('urdf = "none.urdf"', r"small.toml: robots.arm: .*none.urdf: no such file; check the path"),
+    f'urdf = "{FIRST}/arm.urdf"': ('urdf = "none.urdf"', r"none.urdf: No such file or directory; correct the path"),
     f'srdf = "{FIRST}/arm.srdf"': ('srdf = 3', "robots.arm.srdf: is 3; give text in quotes"),
     "audit_step = 0.05": ("audit_step = inf", r"work\[1\].audit_step: is inf; give a number"),
     "rows = 600": ("rows = 600\nslack = 0", r"work\[1\].slack: is 0; give at least 1e-09"),

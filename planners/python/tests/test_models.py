@@ -39,12 +39,12 @@ def test_shapes_say_their_type_and_hold_their_arrays():
 
 @pytest.mark.parametrize("wrong, words", [
     (lambda f: f.astype(float), "type float64"), (lambda f: f + 0.9, "type float64"), (lambda f: numpy.where(f == 3, numpy.nan, f), "type float64"),
-    (lambda f: f.astype(numpy.int64) + 2**32, "4294967296 is no index of vertices"), (lambda f: f.astype(numpy.int64) - 1, "-1 is no index"),
+    (lambda f: f.astype(numpy.int64) + 2**32, "is 4294967296; give whole numbers from 0 to 7, indices of vertices"), (lambda f: f.astype(numpy.int64) - 1, "is -1; give"),
     (lambda f: f == 1, "type bool"), (lambda f: f.astype(str), "type <U"),
-    (lambda f: f.astype(complex), "type complex"), (lambda f: [[0, 1, 2**70]], "no indices of vertices|no index of"), (lambda f: [[0, 1, 2], [3]], "no array of integers"),
+    (lambda f: f.astype(complex), "type complex"), (lambda f: [[0, 1, 2**70]], "is 1180591620717411303424; give"), (lambda f: [[0, 1, 2], [3]], "no array of integers"),
     (lambda f: numpy.ma.masked_equal(f, 3), "masked"), (lambda f: f.ravel(), "shape")])
 def test_triangles_that_are_no_indices_of_the_vertices_are_refused_not_cast(wrong, words):
-    with pytest.raises(ValueError, match=f"triangles: .*({words})"):
+    with pytest.raises(ValueError, match=f"triangles.*: .*({words})"):
         leeway.Shape.mesh(CUBE, wrong(FACES))
 
 
@@ -56,13 +56,6 @@ def test_numbers_that_a_cast_would_change_are_refused():
         assert leeway.Shape.points(CUBE.astype(kind), 0.1).bounds.tolist() == leeway.Shape.points(CUBE, 0.1).bounds.tolist()
     for kind in (numpy.int64, numpy.uint8, numpy.int32, ">i4"):
         assert leeway.Shape.mesh(CUBE, FACES.astype(kind)).triangles.tolist() == leeway.Shape.mesh(CUBE, FACES).triangles.tolist()
-
-
-def test_counts_that_are_no_counts_are_refused():
-    mesh = leeway.Shape.mesh(CUBE, FACES)
-    for wrong in (2.9, float("nan"), -1, 2**32 + 3, "3"):
-        with pytest.raises((TypeError, ValueError)):
-            mesh.enclosing_spheres(0.1, count=wrong)
 
 
 def test_views_keep_their_shape_alive():
@@ -91,8 +84,6 @@ def test_shapes_refuse_bad_arrays():
     with pytest.raises(leeway.CoreError, match="vertex") as caught:
         leeway.Shape.mesh(CUBE * numpy.nan, FACES)
     assert caught.value.status == "LW_ERROR_BAD_GEOMETRY"
-    with pytest.raises(leeway.CoreError):
-        leeway.Shape.mesh(CUBE, FACES + 8)
     with pytest.raises(leeway.CoreError, match="open|closed"):
         leeway.Shape.mesh(CUBE, FACES[1:], solid=True)
     with pytest.raises(leeway.CoreError):

@@ -10,7 +10,7 @@ from conftest import ball_robot
 
 @pytest.fixture(scope="module")
 def tuned(checker):
-    return leeway.tune.tune(checker, min_d=0.002, max_d=0.3, states=200, edges=60, error=0.01, passes=1)
+    return leeway.tune.tune(checker, min_d=0.002, max_d=0.3, states=200, edges=60, error=0.01)
 
 
 def test_promises_hold_on_other_states(tuned, checker, states):
@@ -24,7 +24,7 @@ def test_promises_hold_on_other_states(tuned, checker, states):
 def test_promises_hold_on_other_edges(tuned, checker, states):
     a, b = states[:-1], states[:-1] + 0.1 * (states[1:] - states[:-1])
     for row in (row for row in tuned.settings if row.kind != "states" and row.proof):
-        free = checker.edges(a, b, min_d=row.min_d, slack=row.slack, step=row.step).free
+        free = checker.edges(a, b, min_d=row.min_d, slack=row.slack, step=row.step, alpha=row.alpha).free
         roomy = checker.edges(a, b, min_d=0.002 + row.promised, slack=1e-5).free
         assert (free >= roomy).all(), row
 
@@ -37,7 +37,7 @@ def test_proposals_keep_their_proofs_and_meet_their_target(tuned):
 
 
 def test_a_target_out_of_reach_is_said(checker):
-    found = leeway.tune.tune(checker, max_d=0.3, states=40, edges=10, microseconds=1e-6, passes=1)
+    found = leeway.tune.tune(checker, max_d=0.3, states=40, edges=10, microseconds=1e-6)
     assert not found.met and "NOT met" in repr(found) and found.states is not None
 
 

@@ -94,7 +94,7 @@ TEST_F( CliSteps, JumpsBetweenStepsAreTold )
 {
 	const Outcome outcome = audit( back + "- trajectory: swing.csv\n" );
 	EXPECT_EQ( outcome.status, 1 );
-	EXPECT_TRUE( contains( outcome.out, "swing.csv starts 0.4 away" ) ) << outcome.out;
+	EXPECT_TRUE( contains( outcome.out, "in the end of the one before" ) ) << outcome.out;
 }
 
 TEST_F( CliSteps, BadStepsNameTheElementAndTheRemedy )
@@ -116,4 +116,5 @@ TEST_F( CliSteps, BadStepsNameTheElementAndTheRemedy )
 	EXPECT_TRUE( contains( error( reach + "- allow: [cup]\n" ), "steps[1].allow: is no pair" ) );
 	EXPECT_TRUE( contains( error( "- trajectory: none.csv\n" ), "none.csv" ) );
 	EXPECT_TRUE( contains( error( reach + "- 3\n" ), "steps[1]" ) );
+	EXPECT_TRUE( contains( error( reach + "step: []\n" ), "step: is unknown beside steps" ) );
 }

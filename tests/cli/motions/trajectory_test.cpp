@@ -125,7 +125,7 @@ TEST_F( CliTrajectory, AJumpBetweenTwoTrajectoriesIsTold )
 	write( "t.json", R"({"trajectory": [)" + one + ", " + one + "]}" );
 	const Outcome outcome = audit( { "t.json" } );
 	EXPECT_EQ( outcome.status, 1 );
-	EXPECT_TRUE( contains( outcome.out, "trajectory[1].joint_trajectory starts 0.1 away" ) ) << outcome.out;
+	EXPECT_TRUE( contains( outcome.out, "trajectory[1].joint_trajectory: joint shoulder is at -0.6 in its first point and at -0.5 in the end of the one before" ) ) << outcome.out;
 }
 
 TEST_F( CliTrajectory, OnePointIsAStateThatIsHeld )
@@ -265,7 +265,7 @@ TEST_F( CliTrajectory, BoundsBetweenStatesCountTheMotionOfBothBodies )
 		"<collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link><joint name='rail' type='prismatic'><parent link='base'/><child link='cart'/>"
 		"<axis xyz='1 0 0'/><limit lower='0' upper='2' effort='1' velocity='1'/></joint></robot>" );
 	write( "p.yaml", "joint_names: [rail]\npoints: [[1], [0.3]]\n" );
-	const Outcome outcome = run( { "audit", "--robot", "rail.urdf", "--path", "p.yaml", "--report", "r.json", "--profile", "p.csv" } );
+	const Outcome outcome = run( { "audit", "--robot", "rail.urdf", "--strict", "--path", "p.yaml", "--report", "r.json", "--profile", "p.csv" } );
 	ASSERT_EQ( outcome.status, 0 ) << outcome.err;
 	const Table samples = parseTable( readFile( path( "p.csv" ) ) );
 	double expected = 9;
@@ -275,4 +275,141 @@ TEST_F( CliTrajectory, BoundsBetweenStatesCountTheMotionOfBothBodies )
 		expected = std::min( expected, ( samples.number( i - 1, "self" ) + samples.number( i, "self" ) - 2 * moved ) / 2 );
 	}
 	EXPECT_NEAR( nlohmann::json::parse( readFile( path( "r.json" ) ) )["audit"]["self"]["between_states"].get<double>(), expected, 1e-9 );
+}
+
+// The post stands at shoulder angles around zero, between -1 and 1.
+TEST_F( CliTrajectory, TheWayFromAKnownStartToALateFirstPointIsProved )
+{
+	const auto with = [&]( const std::string& start, const std::string& velocities )
+	{
+		write( "t.json", R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-1, 0], )" + velocities +
+		                     R"("time_from_start": 3}, {"positions": [-1.2, 0], )" + velocities + R"("time_from_start": 4}], "trajectory_start": )" + start + "}" );
+	};
+	const std::string at_one = R"({"joint_state": {"name": ["shoulder", "elbow"], "position": [1, 0]}})";
+	with( at_one, "" );
+	const nlohmann::json beyond = report( { "t.json" } );
+	EXPECT_EQ( beyond["verdict"], "BLOCKED" );
+	EXPECT_EQ( beyond["violation"]["pair"][1], "post" );
+	EXPECT_NEAR( beyond["violation"]["state"]["shoulder"], 1 - 2 * beyond["violation"]["time"].get<double>() / 3, 1e-9 );
+	EXPECT_EQ( beyond["segments"]["linear"], 2 );
+	with( R"({"joint_state": {"name": ["shoulder", "elbow"], "position": [-0.8, 0]}})", "" );
+	EXPECT_EQ( audit( { "t.json", "--profile", "p.csv" } ).status, 0 );
+	EXPECT_EQ( parseTable( readFile( path( "p.csv" ) ) ).rows.size(), 401u );
+	// straight it would be free: the cubic that a velocity at the first point bends swings past the post, and so does one from a moving start
+	with( R"({"joint_state": {"name": ["shoulder", "elbow"], "position": [-0.8, 0]}})", R"("velocities": [-2.5, 0], )" );
+	EXPECT_EQ( report( { "t.json", "--interpolation", "linear" } )["verdict"], "FREE" );
+	EXPECT_EQ( report( { "t.json" } )["verdict"], "BLOCKED" );
+	with( R"({"joint_state": {"name": ["shoulder", "elbow"], "position": [-0.8, 0], "velocity": [2.5, 0]}})", R"("velocities": [0, 0], )" );
+	EXPECT_EQ( report( { "t.json" } )["verdict"], "BLOCKED" );
+	// robots whose hardware reports no velocity are driven straight: 0.2 rad in 3 s, with a peak in the middle of cubics alone
+	with( R"({"joint_state": {"name": ["shoulder", "elbow"], "position": [1.5, 0]}})", R"("velocities": [0, 0], )" );
+	EXPECT_TRUE( contains( audit( { "t.json" }, "scene.yaml" ).out, "velocity of -1.25 rad/s" ) );
+	// some joints known, others not
+	with( R"({"joint_state": {"name": ["shoulder"], "position": [-0.8]}})", "" );
+	const Outcome half = audit( { "t.json" } );
+	EXPECT_EQ( half.status, 2 );
+	EXPECT_TRUE( contains( half.err, "points[0].time_from_start" ) && contains( half.err, "elbow" ) ) << half.err;
+	with( "{}", "" );
+	const Outcome unknown = audit( { "t.json" } );
+	EXPECT_TRUE( unknown.status == 0 && contains( unknown.err, "not known and not proved" ) ) << unknown.err;
+}
+
+TEST_F( CliTrajectory, StartsOfRequestsAndOfEarlierTrajectoriesAreStartsToo )
+{
+	const std::string late = R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [1, 0], "time_from_start": 3}]})";
+	write( "t.json", late );
+	EXPECT_EQ( report( { "t.json", "--request", "request.yaml" } )["verdict"], "BLOCKED" ); // of -1
+	write( "t.json", R"({"trajectory": [{"joint_trajectory": {"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-1, 0], "time_from_start": 0}]}},
+		{"joint_trajectory": )" + late + "}]}" );
+	EXPECT_EQ( report( { "t.json" } )["verdict"], "BLOCKED" );
+	write( "t.json", R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-0.9, 0], "time_from_start": 0}]})" );
+	const Outcome away = audit( { "t.json", "--request", "request.yaml" } );
+	EXPECT_EQ( away.status, 1 );
+	EXPECT_TRUE( contains( away.out, "joint shoulder is at -0.9 in its first point and at -1 in the request's start" ) ) << away.out;
+}
+
+TEST_F( CliTrajectory, TwoStartsOfOneFileMustAgree )
+{
+	const auto with = [&]( const char* one, const char* other )
+	{
+		write( "t.json", std::string( R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-0.6, 0], "time_from_start": 0}], )" ) +
+		                     R"("trajectory_start": {"joint_state": {"name": ["shoulder"], "position": [)" + one + R"(]}}, )" +
+		                     R"("start_state": {"joint_state": {"name": ["shoulder"], "position": [)" + other + "]}}}" );
+		return audit( { "t.json" } );
+	};
+	EXPECT_EQ( with( "-0.6", "-0.6" ).status, 0 );
+	for ( const Outcome& outcome : { with( "-0.6", "0.9" ), with( "0.9", "-0.6" ) } )
+	{
+		EXPECT_EQ( outcome.status, 2 );
+		EXPECT_TRUE( contains( outcome.err, "trajectory_start" ) && contains( outcome.err, "start_state" ) ) << outcome.err;
+	}
+	for ( const char* state : { "[1, 2]", "5", R"({"joint_state": ["shoulder"]})", R"({"joint_state": {"name": [], "position": [1]}})" } )
+	{
+		write( "t.json", std::string( R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-0.6, 0], "time_from_start": 0}], "trajectory_start": )" ) + state + "}" );
+		EXPECT_EQ( audit( { "t.json" } ).status, 2 ) << state;
+	}
+	write( "t.json", R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-0.6, 0], "time_from_start": 0}], "trajectory_start":
+		{"joint_state": {"name": ["shoulder"], "position": [-0.6], "velocity": [0.1]}}})" );
+	EXPECT_TRUE( contains( audit( { "t.json" } ).err, "trajectory_start.joint_state.velocity" ) );
+}
+
+TEST_F( CliTrajectory, FlagsOfJointLimitsAreBooleansOrErrors )
+{
+	write( "t.csv", "time,shoulder,elbow\n0,-0.6,0\n1,-0.5,0\n" );
+	const auto with = [&]( const std::string& limits )
+	{
+		write( "limits.yaml", "joint_limits:\n  shoulder:\n" + limits );
+		return audit( { "t.csv", "--joint-limits", "limits.yaml" } );
+	};
+	for ( const char* word : { "true", "True", "TRUE", "yes", "Yes", "on", "y", "Y" } )
+	{
+		EXPECT_EQ( with( std::string( "    has_velocity_limits: " ) + word + "\n    max_velocity: 0.01\n" ).status, 1 ) << word;
+	}
+	for ( const char* word : { "false", "no", "off", "n" } )
+	{
+		EXPECT_EQ( with( std::string( "    has_velocity_limits: " ) + word + "\n    max_velocity: 0.01\n" ).status, 0 ) << word;
+	}
+	for ( const char* word : { "tru", "1", "yES", "", "[true]", "2" } )
+	{
+		const Outcome outcome = with( std::string( "    has_velocity_limits: " ) + word + "\n    max_velocity: 0.01\n" );
+		EXPECT_EQ( outcome.status, 2 ) << word;
+		EXPECT_TRUE( contains( outcome.err, "joint_limits.shoulder.has_velocity_limits (line 3)" ) ) << outcome.err;
+	}
+	EXPECT_TRUE( contains( with( "    has_velocity_limit: true\n    max_velocity: 0.01\n" ).err, "is has_velocity_limits meant?" ) );
+	EXPECT_TRUE( contains( with( "    has_velocity_limits: true\n    max_velocty: 0.01\n" ).err, "is max_velocity meant?" ) );
+	EXPECT_TRUE( contains( with( "    max_velocity: 0.01\n" ).err, "there is no has_velocity_limits" ) );
+	EXPECT_TRUE( contains( with( "    has_jerk_limits: true\n    max_jerk: 0.01\n" ).err, "max_jerk (line 4)" ) );
+	EXPECT_EQ( with( "    true\n" ).status, 2 );
+	write( "limits.yaml", "joint_limits:\n  sholder:\n    has_velocity_limits: true\n    max_velocity: 0.01\n" );
+	EXPECT_TRUE( contains( audit( { "t.csv", "--joint-limits", "limits.yaml" } ).err, "joint_limits.sholder" ) );
+}
+
+TEST_F( CliTrajectory, NumbersOfTablesHaveTheBoundOfAllOthers )
+{
+	for ( const char* row : { "0,2e15,0", "2e15,0,0", "0,-1e308,0" } )
+	{
+		write( "t.csv", std::string( "time,shoulder,elbow\n" ) + row + "\n" );
+		const Outcome outcome = audit( { "t.csv" } );
+		EXPECT_EQ( outcome.status, 2 ) << row;
+		EXPECT_TRUE( contains( outcome.err, "line 2" ) && contains( outcome.err, "is beyond 1e+15" ) ) << outcome.err;
+	}
+}
+
+TEST_F( CliTrajectory, PointsOfPathsHaveTheFieldsOfPoints )
+{
+	const auto with = [&]( const std::string& more )
+	{
+		write( "p.yaml", "joint_names: [shoulder, elbow]\npoints:\n- positions: [-1, 0]\n- positions: [-0.9, 0]\n" + more );
+		return runModel( "audit", { "--path", "p.yaml" }, "blocked.yaml" );
+	};
+	EXPECT_EQ( with( "" ).status, 0 );
+	EXPECT_TRUE( contains( with( "  velocites: [1, 1]\n" ).err, "points[1].velocites (line 5): trajectory_msgs/JointTrajectoryPoint has no such field: is velocities meant?" ) );
+	EXPECT_EQ( with( "  speed: 1\n" ).status, 2 );
+	EXPECT_TRUE( contains( with( "  effort: [1, 1]\n" ).err, "points[1].effort" ) );
+	for ( const char* field : { "velocities: [1, 1]", "accelerations: [1, 1]", "time_from_start: 2" } )
+	{
+		EXPECT_TRUE( contains( with( std::string( "  " ) + field + "\n" ).err, "a path has straight edges" ) ) << field;
+	}
+	write( "p.yaml", "joint_names: [shoulder, elbow]\nstart_state: {joint_state: 3}\npoints: [[-1, 0]]\n" );
+	EXPECT_EQ( runModel( "audit", { "--path", "p.yaml" } ).status, 2 );
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compares what leeway reads from MJCF models with MuJoCo: poses of all bodies at random states, shapes, limits, pairs.
+"""Compares leeway's reading of MJCF models with MuJoCo's: poses of all bodies at random states, shapes, limits, pairs.
 
     compare.py --poses build/bin/mjcf_poses [--states 100] [--json table.json] MODEL.xml...
 
@@ -23,7 +23,7 @@ TYPES = {"sphere": int(mujoco.mjtGeom.mjGEOM_SPHERE), "capsule": int(mujoco.mjtG
 
 
 class Subject:
-    """What mjcf_poses prints of a model."""
+    """The output of mjcf_poses for a model."""
 
     def __init__(self, text):
         self.variables, self.links, self.mimics, self.allowed, self.states, self.notices = [], [], {}, {}, [], []
@@ -213,7 +213,7 @@ def compare_mesh(model, geom, points, turn, centre, worst):
         worst["hull"] = max(worst["hull"], farthest / numpy.abs(size).max())
     else:
         size = model.geom_size[geom]
-        # what an ellipsoid reaches along d is |size * d|: ours contains it, and exceeds it by less than a hundredth
+        # an ellipsoid reaches |size * d| along d: ours contains it, and exceeds it by less than a hundredth
         wanted = numpy.linalg.norm((DIRECTIONS @ turn) * size, axis=1) + DIRECTIONS @ centre
         excess = (supports(points) - wanted) / size.max()
         worst["inside"] = min(worst["inside"], excess.min())

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <map>
 
-/// Loads what it is given as the content of <mujoco>.
+/// Loads its text as the content of <mujoco>.
 class MjcfTest : public FileTest
 {
 protected:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Prints what leeway reads from a robot, for a comparison with MuJoCo (compare.py): variables, links, shapes; then the poses of all
+// Prints leeway's model of a robot, for a comparison with MuJoCo (compare.py): variables, links, shapes; then the poses of all
 // links at each state that standard input has.
 #include "leeway/io/model.hpp"
 

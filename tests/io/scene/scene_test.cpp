@@ -329,3 +329,15 @@ TEST_F( SceneTest, UrdfAsScene )
 	expectPoint( scene.objects[0].shapes.at( 0 ).pose, 4, 0, 0 );
 	EXPECT_EQ( scene.report.links_without_geometry, std::vector<std::string>{ "wall" } );
 }
+
+TEST_F( SceneTest, FormatIsReadFromTheNameAndNotFromTheContent )
+{
+	const std::string urdf =
+	    "<robot name=\"wall\"><link name=\"wall\"><collision><geometry><box size=\"1 1 1\"/></geometry></collision></link></robot>";
+	EXPECT_EQ( loadScene( write( "wall.scene", urdf ) ).name, "wall" );
+	EXPECT_EQ( loadScene( write( "wall.yaml", "\xEF\xBB\xBF \n" + urdf ) ).name, "wall" );
+	EXPECT_EQ( loadScene( write( "a.xml", "name: empty\nworld: {}\n" ) ).name, "empty" );
+	expectError( [&] { loadScene( write( "a.yaml", "<<: {world: {}}\n" ) ); }, { "merge keys" } );
+	expectError( [&] { loadScene( write( "b.yaml", "#usda 1.0\n" ) ); }, { "this is a USD stage (text)", "export it" } );
+	expectError( [&] { loadScene( write( "c.yaml", "<sdf version=\"1.9\"/>" ) ); }, { "this is an SDF model or world of Gazebo" } );
+}

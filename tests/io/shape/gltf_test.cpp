@@ -306,6 +306,55 @@ TEST_F( GltfTest, BufferInAFileWithABlankInItsName )
 	expectRefused( d, { "buffer 0", "my numbers.bin", "no such file" } );
 }
 
+/// Readers differ: some keep the first, others the last.
+TEST_F( GltfTest, AKeyThatIsThereTwiceHasOneOfItsValues )
+{
+	const std::string good = oneTriangle().text();
+	for ( const auto& [key, twin] : { std::pair( std::string( "\"count\":" ), std::string( "\"count\":0," ) ),
+	          std::pair( std::string( "\"nodes\":" ), std::string( "\"nodes\":[]," ) ) } )
+	{
+		std::string text = good;
+		const std::size_t at = text.find( key );
+		ASSERT_NE( at, std::string::npos ) << text;
+		write( "m.gltf", text.insert( at, twin ) );
+		expectError( [&] { load( "m.gltf" ); }, { "m.gltf", "the key " + key.substr( 1, key.size() - 3 ) + " is twice" } );
+	}
+	write( "m.gltf", good );
+	EXPECT_EQ( load( "m.gltf" ).size(), 1u );
+}
+
+/// The bytes of the .glb stay, those of its buffer change: a tree that was kept for the first ones is no answer.
+TEST_F( GltfTest, ABufferBesideABinaryFileIsTakenFromTheCache )
+{
+	for ( const char* name : { "numbers.bin", "n\\u0075mbers.bin" } )
+	{
+		Document d = oneTriangle();
+		d.root["buffers"] = { { { "byteLength", d.buffer.size() }, { "uri", "NAME" } } };
+		std::string json = d.text(), bytes = "glTF";
+		json.replace( json.find( "NAME" ), 4, name );
+		json.resize( ( json.size() + 3 ) / 4 * 4, ' ' );
+		for ( const std::size_t value : { std::size_t( 2 ), 20 + json.size(), json.size() } )
+		{
+			const std::uint32_t word = static_cast<std::uint32_t>( value );
+			bytes.append( reinterpret_cast<const char*>( &word ), sizeof word );
+		}
+		write( "m.glb", bytes + "JSON" + json );
+		write( "numbers.bin", d.buffer );
+		const std::string urdf = write( "r.urdf", "<robot name='r'><link name='a'><collision><geometry><mesh filename='m.glb'/>"
+		                                          "</geometry></collision></link></robot>" );
+		leeway::io::LoadOptions options;
+		options.cache = path( "cache" );
+		options.defer = false;
+		const auto top = [&]
+		{ return lw_shape_get_info( leeway::io::loadRobot( urdf, "", options ).links[0].collision[0].shape.get() ).box_max[0]; };
+		EXPECT_NEAR( top(), 1, 1e-6 );
+		const float two = 2;
+		d.buffer.replace( 12, 4, reinterpret_cast<const char*>( &two ), 4 ); // the second corner, (1, 0, 0)
+		write( "numbers.bin", d.buffer );
+		EXPECT_NEAR( top(), 2, 1e-6 ) << name;
+	}
+}
+
 TEST_F( GltfTest, ScenesThatAreNotShownAreLeftOut )
 {
 	Document d = oneTriangle();

@@ -99,6 +99,40 @@ TEST_F( MeshTest, AsciiStl )
 	expectBox( info, { 0, 0, 0 }, { 1, 2, 3 } );
 }
 
+/// Words that a reader passes over are triangles less.
+TEST_F( MeshTest, WordsOfAsciiStlArePassedOver )
+{
+	const std::string good = asciiStl();
+	const auto refused = [&]( const std::string& from, const std::string& to, const std::string& problem )
+	{
+		std::string text = good;
+		const std::size_t at = text.find( from );
+		ASSERT_NE( at, std::string::npos ) << from;
+		write( "m.stl", text.replace( at, from.size(), to ) );
+		expectError( [&] { load( "m.stl" ); }, { "m.stl", problem } );
+	};
+	refused( "vertex 1.000000", "vertex 1.000,5", "line 5: has \"1.000,5\" where a finite number should be" );
+	refused( "vertex 1.000000", "vertex nan", "has \"nan\"" );
+	refused( "vertex 1.000000", "vertx 1.0", "has \"vertx\" where vertex should be" );
+	refused( "vertex 1.000000", std::string( "vertex 1\0", 9 ), "where a finite number should be" );
+	refused( "endloop\nendfacet", "endloop", "has \"facet\" where endfacet should be" );
+	refused( "endloop", "vertex 0 0 0\nendloop", "where endloop should be" );
+	refused( "endsolid tetrahedron\n", "", "ends where endsolid should be: it was cut short" );
+	refused( "endsolid tetrahedron\n", "endsolid tetrahedron\nmore", "has \"more\" where solid should be" );
+	write( "m.stl", good + "SOLID second\nFACET NORMAL nan nan nan OUTER LOOP vertex 0 0 -1e0 vertex 1 0 0\nvertex 0 1 0 endloop endfacet\nENDSOLID\n" );
+	EXPECT_EQ( load( "m.stl" ).triangle_count, 5u );
+	expectBox( load( "m.stl" ), { 0, 0, -1 }, { 1, 2, 3 } );
+}
+
+TEST_F( MeshTest, WordsOfOffAreTakenForTheNumbersThatTheyBeginWith )
+{
+	const std::string good = "OFF # four\n4 4 0\n0 0 0\n1 0 0\n0 2 0\n0 0 3\n3 0 1 2\n3 0 1 3\n3 0 2 3\n3 1 2 3\n";
+	write( "m.off", good );
+	EXPECT_EQ( load( "m.off" ).triangle_count, 4u );
+	write( "m.off", std::string( good ).replace( good.find( "0 2 0" ), 3, "0 2,5" ) );
+	expectError( [&] { load( "m.off" ); }, { "m.off", "line 5 has \"2,5\" where a number should be" } );
+}
+
 TEST_F( MeshTest, BinaryStlWhateverItsHeaderSays )
 {
 	std::string bytes = binaryStl();

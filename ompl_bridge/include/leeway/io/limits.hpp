@@ -17,7 +17,7 @@ namespace leeway::io
 /// names.
 struct Limits
 {
-	std::uint64_t file_bytes = std::uint64_t( 4 ) << 30; ///< of any file, pipe or device
+	std::uint64_t file_bytes = std::uint64_t( 4 ) << 30; ///< of any file or stream
 	std::uint64_t triangles = 200'000'000;               ///< of one mesh, each instance in its file counted
 	std::uint64_t points = 500'000'000;                  ///< of one cloud; boxes of one octomap; heights of one height map
 	std::uint64_t links = 10'000;          ///< of one robot or articulation: tables of pairs grow with their square
@@ -46,8 +46,10 @@ private:
 /// The limits of the calling thread.
 const Limits& currentLimits();
 
-/// The bytes of a file, pipe or device, within Limits::file_bytes.
-/// @throws Error if it is missing, a folder, unreadable, empty or too large, or if it changes while it is read
+/// The bytes of a regular file, or of a stream that the program was started with (/dev/stdin and /dev/fd/N: the name that a
+/// shell gives for <(COMMAND)), within Limits::file_bytes.
+/// @throws Error if it is missing, a folder, a device, another pipe, unreadable, empty or too large, or if it changes while
+/// it is read
 std::string readWholeFile( const std::string& file );
 
 namespace detail

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Errors of the readers, and the text handling that all of them use.
 #include "base/io_internal.hpp"
+#include "leeway/io/printable.hpp"
 
 #include <charconv>
 #include <fmt/format.h>
@@ -38,7 +39,8 @@ std::size_t characterBytes( std::string_view text )
 	return wrong ? 0 : count;
 }
 
-/// On one line and in UTF-8: line breaks become blanks, other bytes that cannot be printed \xNN.
+} // namespace
+
 std::string printable( const std::string& text )
 {
 	std::string out;
@@ -54,6 +56,18 @@ std::string printable( const std::string& text )
 	return out;
 }
 
+namespace
+{
+
+/// Names of files and elements come from files: one of a million letters is told by its ends.
+std::string shortened( const std::string& part )
+{
+	constexpr std::size_t longest = 600, first = 360, last = 120;
+	return part.size() <= longest ? part
+	                              : fmt::format( "{} ... ({} letters) ... {}", part.substr( 0, first ), part.size(),
+	                                    part.substr( part.size() - last ) );
+}
+
 /// "<file>: <element>: <problem>; <remedy>" with empty parts left out, printable.
 std::string oneLine(
     const std::string& file, const std::string& element, const std::string& problem, const std::string& remedy )
@@ -63,13 +77,13 @@ std::string oneLine(
 	{
 		if ( !part->empty() )
 		{
-			line += *part + ": ";
+			line += shortened( *part ) + ": ";
 		}
 	}
-	line += problem;
+	line += shortened( problem );
 	if ( !remedy.empty() )
 	{
-		line += "; " + remedy;
+		line += "; " + shortened( remedy );
 	}
 	return printable( line );
 }
@@ -178,11 +192,6 @@ bool isUtf8( std::string_view text )
 		text.remove_prefix( count );
 	}
 	return true;
-}
-
-std::string readFile( const std::string& file )
-{
-	return readWholeFile( file );
 }
 
 std::optional<double> parseNumber( std::string_view text )

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,6 +19,8 @@
 namespace leeway::io::detail
 {
 
+class XmlFile;
+
 /// A quaternion whose length differs from 1 by more than this is worth a notice: 0.707 written for sqrt(1/2) gives 1.5e-4
 /// and turns nothing once normalised; more than 1e-3 is no rounding of a writer.
 constexpr double quaternion_notice_threshold = 1e-3;
@@ -25,8 +28,12 @@ constexpr double quaternion_notice_threshold = 1e-3;
 /// Names go into reports that have to be UTF-8.
 bool isUtf8( std::string_view text );
 
-/// readWholeFile()
+/// The bytes of a regular file: for names that stand in other files, and so lead to no stream of the program.
+/// @throws Error as readWholeFile()
 std::string readFile( const std::string& file );
+
+/// "a folder", "a pipe", "a socket" or "a device"; empty for a regular file, and for a path with nothing there.
+std::string fileKind( const std::string& file );
 
 /// A decimal number that is the whole of `text` (blanks around it aside), in any locale; "nan" and "inf" are numbers here,
 /// so that a caller can tell "not a number at all" from "not finite".
@@ -66,13 +73,13 @@ struct TriangleSoup
 
 /// @param element the place in `from_file` that names the mesh file, for errors
 /// @throws Error with `from_file` and `element` if the file cannot be read as a mesh, or is beyond a limit
-/// @param bytes of a self-contained file that the caller has read already (moved from); else empty
+/// @param bytes of the file, if the caller has read it already (moved from); else empty
 TriangleSoup readMeshFile(
     const std::string& mesh_file, const std::string& from_file, const std::string& element, std::string bytes = {} );
 
-/// Formats that keep all triangles in the one file, so that its bytes determine the mesh. (The text form of glTF keeps them
-/// in other files.)
-bool isSelfContained( const std::string& extension );
+/// True if all triangles are in the one file, so that its bytes determine the mesh. (The text form of glTF keeps them in other
+/// files, the binary form may.)
+bool isSelfContained( const std::string& extension, std::string_view bytes );
 
 /// ".stl" for "arm.STL"
 std::string lowerExtension( const std::string& file );
@@ -134,7 +141,7 @@ private:
 };
 
 /// A URDF without SRDF, or an MJCF: told apart by the root element.
-RobotModel readRobot( const std::string& file, const LoadOptions& options );
+RobotModel readRobot( std::unique_ptr<XmlFile> xml, const LoadOptions& options );
 
 /// Adds groups, allowed pairs, virtual joint and states of an SRDF to a model.
 /// @param strict as LoadOptions::strict

@@ -55,7 +55,7 @@ public:
 		{
 			m_found = path;
 		}
-		m_tried.push_back( std::move( path ) );
+		m_tried.push_back( path + whyNot( path, error ) );
 		return !m_found.empty();
 	}
 
@@ -68,6 +68,17 @@ public:
 	const std::string& found() const { return m_found; }
 
 private:
+	/// What is there instead of a file, in brackets; empty if there is nothing, or a file.
+	static std::string whyNot( const std::string& path, std::error_code error )
+	{
+		if ( error && error != std::errc::no_such_file_or_directory && error != std::errc::not_a_directory )
+		{
+			return fmt::format( " ({})", error.message() );
+		}
+		const std::string kind = fileKind( path );
+		return kind.empty() ? "" : fmt::format( " ({}, not a file)", kind );
+	}
+
 	std::vector<std::string>& m_tried;
 	std::string m_found;
 };

@@ -79,17 +79,27 @@ constexpr OtherFormat other_formats[] = {
     { "COLLADA", "a COLLADA mesh", "name it as the mesh of a URDF" },
 };
 
-/// The kind of a USD file by its first bytes; nullptr for other files. (usdz is a zip archive.)
-const char* usdKind( const std::string& content )
+} // namespace
+
+void refuseUsd( const std::string& file, const std::string& content )
 {
 	const auto begins = [&]( const char* with ) { return content.compare( 0, std::strlen( with ), with ) == 0; };
-	return begins( "#usda" )        ? "text"
-	       : begins( "PXR-USDC" )   ? "binary"
-	       : begins( "PK\x03\x04" ) ? "or another zip archive"
-	                                : nullptr;
+	const char* kind = begins( "#usda" )        ? "this is a USD stage (text)"
+	                   : begins( "PXR-USDC" )   ? "this is a USD stage (binary)"
+	                   : begins( "PK\x03\x04" ) ? "this is a zip archive, as usdz stages of USD are"
+	                                            : nullptr;
+	if ( kind != nullptr )
+	{
+		throw Error( file, "", kind, "export it as a URDF or MJCF, with the program that made it" );
+	}
 }
 
-} // namespace
+bool beginsAsXml( const std::string& content )
+{
+	const std::size_t bom = content.compare( 0, 3, "\xEF\xBB\xBF" ) == 0 ? 3 : 0;
+	const std::size_t first = content.find_first_not_of( " \t\r\n", bom );
+	return first != std::string::npos && content[first] == '<' && content.compare( first, 2, "<<" ) != 0; // <<: is a key of YAML
+}
 
 std::optional<XmlProblem> parseXml( tinyxml2::XMLDocument& document, std::string content )
 {
@@ -128,23 +138,13 @@ std::optional<XmlProblem> parseXml( tinyxml2::XMLDocument& document, std::string
 	return std::nullopt;
 }
 
-XmlFile::XmlFile( const std::string& file ) : m_path( file )
+XmlFile::XmlFile( const std::string& file, std::string content ) : m_path( file )
 {
-	std::string content = readFile( file );
-	if ( const char* usd = usdKind( content ) )
-	{
-		throw Error( file, "", fmt::format( "this is a USD stage ({})", usd ),
-		    "export it as a URDF or MJCF, with the program that made it" );
-	}
+	refuseUsd( file, content );
 	if ( const std::optional<XmlProblem> problem = parseXml( m_doc, std::move( content ) ) )
 	{
 		throw Error( file, fmt::format( "line {}", problem->line ), problem->text, "correct the file at that line" );
 	}
-}
-
-XmlFile::XmlFile( const std::string& file, const char* kind ) : XmlFile( file )
-{
-	requireRobot( kind );
 }
 
 void XmlFile::requireRobot( const char* kind ) const
@@ -234,7 +234,8 @@ SrdfDraft::SrdfDraft( const RobotModel& model )
 {
 	if ( !model.srdf_file.empty() )
 	{
-		m_file.emplace( model.srdf_file, "SRDF" );
+		m_file.emplace( model.srdf_file );
+		m_file->requireRobot( "SRDF" );
 		return;
 	}
 	m_fresh.InsertEndChild( m_fresh.NewDeclaration() );

@@ -54,15 +54,22 @@ struct XmlProblem
 /// @return the first problem, if there is one
 std::optional<XmlProblem> parseXml( tinyxml2::XMLDocument& document, std::string content );
 
+/// @throws Error that names the remedy if the content is a stage of USD
+void refuseUsd( const std::string& file, const std::string& content );
+
+/// Whether the content can only be XML, well-formed or not, and no YAML.
+bool beginsAsXml( const std::string& content );
+
 /// An XML file.
 class XmlFile
 {
 public:
-	/// The root is <robot>, and nothing is left for xacro. @param kind "URDF" or "SRDF", for messages. @throws Error
-	XmlFile( const std::string& file, const char* kind );
-	/// Any root. @throws Error
-	explicit XmlFile( const std::string& file );
-	/// The first constructor's checks. @throws Error that names the format of the file, as far as it is known, and the remedy
+	/// @throws Error as readWholeFile(), and for text that is no XML
+	explicit XmlFile( const std::string& file ) : XmlFile( file, readWholeFile( file ) ) {}
+	/// @param content of the file @throws Error
+	XmlFile( const std::string& file, std::string content );
+	/// The root is <robot>, and nothing is left for xacro. @param kind "URDF" or "SRDF", for messages
+	/// @throws Error that names the format of the file, if it is a known one, and the remedy
 	void requireRobot( const char* kind ) const;
 
 	const std::string& path() const { return m_path; }

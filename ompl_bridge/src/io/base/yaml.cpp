@@ -23,7 +23,7 @@ std::string lower( std::string text )
 	return text;
 }
 
-/// Refuses keys that are there twice, and documents that contain themselves or would be far larger than their text.
+/// Refuses keys that are there twice, merge keys, and documents that contain themselves or would be far larger than their text.
 class DocumentCheck
 {
 public:
@@ -65,6 +65,11 @@ private:
 		for ( const auto& entry : node )
 		{
 			const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+			if ( key == "<<" )
+			{
+				throw Error( m_file, fmt::format( "<< (line {})", lineOf( entry.first ) ),
+				    "merge keys are not read: their values would be lost", "write the values out" );
+			}
 			const auto [first, fresh] = keys.emplace( key, lineOf( entry.first ) );
 			if ( entry.first.IsScalar() && !fresh )
 			{
@@ -129,27 +134,21 @@ bool isOneMap( const std::string& text )
 	return begun;
 }
 
-/// Parses at most two documents. YAML::LoadAll() never ends on text that no document can begin with: it finds an empty
-/// document there, again and again.
-bool hasSeveralDocuments( const std::string& text )
-{
-	std::istringstream stream( text );
-	YAML::Parser parser( stream );
-	Nobody nobody;
-	return parser.HandleNextDocument( nobody ) && parser.HandleNextDocument( nobody );
-}
-
 } // namespace
 
 YamlNode YamlNode::load( const std::string& file, std::vector<Notice>& notices )
 {
+	return parse( file, readWholeFile( file ), notices );
+}
+
+YamlNode YamlNode::parse( const std::string& file, std::string text, std::vector<Notice>& notices )
+{
 	YamlNode root;
 	root.m_file = std::make_shared<const std::string>( file );
 	root.m_notices = &notices;
-	std::string text = readFile( file );
 	try
 	{
-		if ( !isOneMap( text ) && hasSeveralDocuments( text ) )
+		if ( holdsSeveralDocuments( text ) )
 		{
 			throw Error( file, "", "holds several YAML documents", "keep one" );
 		}
@@ -497,6 +496,10 @@ lw_transform YamlNode::pose() const
 			fail( fmt::format( "a pose has no key {}", entry.first.IsScalar() ? entry.first.Scalar() : "like this" ),
 			    "write position and orientation, or translation and rotation" );
 		}
+		if ( entry.second.IsNull() )
+		{
+			fail( fmt::format( "{} is empty", entry.first.Scalar() ), "write its numbers, or remove the key: the file may be cut short" );
+		}
 	}
 	YamlNode position = firstOf( { "position", "translation" } );
 	YamlNode orientation = firstOf( { "orientation", "rotation" } );
@@ -539,6 +542,7 @@ JointState readJointState( const YamlNode& state )
 	JointState result;
 	YamlNode joints = state["joint_state"];
 	joints.noticeUnknownKeys( { "header", "name", "position", "velocity", "effort" } );
+	joints.noticeUnused( { "velocity", "effort" }, "a state is where its joints are" );
 	std::vector<std::string> names = joints["name"].textList();
 	std::vector<double> positions = joints["position"].numberList();
 	if ( names.size() != positions.size() )
@@ -555,6 +559,8 @@ JointState readJointState( const YamlNode& state )
 	}
 	YamlNode multi = state["multi_dof_joint_state"];
 	multi.noticeUnknownKeys( { "header", "joint_names", "transforms", "twist", "wrench" } );
+	multi.noticeUnused( { "twist", "wrench" }, "a state is where its joints are" );
+	multi["header"].noticeUnused( { "frame_id" }, "transforms are those of the joints, from parent to child" );
 	std::vector<std::string> multi_names = multi["joint_names"].textList();
 	YamlNode transforms = multi["transforms"];
 	if ( multi_names.size() != transforms.size() )
@@ -587,8 +593,26 @@ void leeway::io::requireSoundDocument(
 	detail::DocumentCheck( file, text_size, first_line ).visit( root );
 }
 
+/// Parses at most two documents. YAML::LoadAll() never ends on text that no document can begin with: it finds an empty
+/// document there, again and again.
+bool leeway::io::holdsSeveralDocuments( const std::string& text )
+{
+	if ( detail::isOneMap( text ) )
+	{
+		return false;
+	}
+	std::istringstream stream( text );
+	YAML::Parser parser( stream );
+	detail::Nobody nobody;
+	return parser.HandleNextDocument( nobody ) && parser.HandleNextDocument( nobody );
+}
+
 bool leeway::io::saysNothing( const YAML::Node& value )
 {
+	if ( !value.IsDefined() )
+	{
+		return true;
+	}
 	if ( value.IsMap() )
 	{
 		return std::all_of( value.begin(), value.end(), []( const auto& entry ) { return saysNothing( entry.second ); } );
@@ -598,6 +622,6 @@ bool leeway::io::saysNothing( const YAML::Node& value )
 		return std::all_of(
 		    value.begin(), value.end(), []( const YAML::Node& entry ) { return entry.IsScalar() && saysNothing( entry ); } );
 	}
-	const std::string text = value.IsDefined() && value.IsScalar() ? value.Scalar() : "";
+	const std::string text = value.IsScalar() ? value.Scalar() : "";
 	return text.empty() || text == "false" || text == "False" || text.find_first_not_of( "0." ) == std::string::npos;
 }

@@ -21,6 +21,8 @@ public:
 
 	/// The root of a file, which is a map. Duplicate keys anywhere are an error: one of them would be dropped. @throws Error
 	static YamlNode load( const std::string& file, std::vector<Notice>& notices );
+	/// @param content of the file @throws Error
+	static YamlNode parse( const std::string& file, std::string content, std::vector<Notice>& notices );
 
 	bool defined() const { return m_node.IsDefined() && !m_node.IsNull(); }
 	bool isMap() const { return defined() && m_node.IsMap(); }

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <set>
 
 namespace leeway::io::detail
 {
@@ -28,6 +29,35 @@ using Json = nlohmann::json;
 }
 
 // ---- JSON whose author may be anybody -----------------------------------------------------------------------------------
+
+/// No deeper than the limit, and each key of an object once: the library keeps the last of several, other readers the first.
+/// @return a discarded value for text that is no JSON
+Json parseStrictly( std::string_view text )
+{
+	const std::uint64_t deepest = currentLimits().nesting;
+	std::vector<std::set<std::string>> keys; // of the objects that are open
+	const auto check = [&]( int depth, Json::parse_event_t event, Json& value )
+	{
+		if ( static_cast<std::uint64_t>( depth ) > deepest )
+		{
+			fail( fmt::format( "more than {} lists in each other", deepest ) );
+		}
+		if ( event == Json::parse_event_t::object_start )
+		{
+			keys.emplace_back();
+		}
+		else if ( event == Json::parse_event_t::object_end )
+		{
+			keys.pop_back();
+		}
+		else if ( event == Json::parse_event_t::key && !keys.back().insert( value.get<std::string>() ).second )
+		{
+			fail( fmt::format( "the key {} is twice in one object", value.get<std::string>() ) );
+		}
+		return true;
+	};
+	return Json::parse( text.begin(), text.end(), check, false );
+}
 
 /// A member of an object; null if the object lacks it, or if `object` is no JSON object.
 const Json* find( const Json& object, const char* key )
@@ -194,16 +224,7 @@ class GltfReader
 public:
 	GltfReader( const MeshPlace& place, std::string_view bytes ) : m_place( place ), m_size( bytes.size() ), m_chunks( bytes )
 	{
-		const std::uint64_t deepest = currentLimits().nesting;
-		const auto notTooDeep = [deepest]( int depth, Json::parse_event_t, Json& )
-		{
-			if ( static_cast<std::uint64_t>( depth ) > deepest )
-			{
-				fail( fmt::format( "more than {} lists in each other", deepest ) );
-			}
-			return true;
-		};
-		m_root = Json::parse( m_chunks.json.begin(), m_chunks.json.end(), notTooDeep, false );
+		m_root = parseStrictly( m_chunks.json );
 		if ( !m_root.is_object() )
 		{
 			fail( "it is no JSON object: it was cut short, or is no glTF" );
@@ -726,6 +747,19 @@ private:
 TriangleSoup readGltf( const MeshPlace& place, const std::string& bytes )
 {
 	return GltfReader( place, bytes ).read();
+}
+
+bool gltfNamesFiles( std::string_view bytes )
+{
+	constexpr std::size_t header = 20; // of the file and of its first chunk, the JSON
+	std::uint32_t length = 0;
+	if ( bytes.size() < header || bytes.substr( 0, 4 ) != "glTF" || __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__ )
+	{
+		return true;
+	}
+	std::memcpy( &length, bytes.data() + 12, sizeof( length ) );
+	const std::string_view json = bytes.substr( header, length );
+	return json.find( "uri" ) != std::string_view::npos || json.find( '\\' ) != std::string_view::npos; // "\u0075ri" too
 }
 
 } // namespace leeway::io::detail

@@ -156,7 +156,42 @@ std::string checkedMesh( const std::string& extension, std::string bytes )
 	{
 		checkObj( bytes );
 	}
+	if ( extension == ".off" )
+	{
+		checkOff( bytes );
+	}
 	return bytes;
+}
+
+void checkOff( std::string_view bytes )
+{
+	std::size_t line = 0, numbers = 0;
+	double counts[2] = { 0, 0 }; // of vertices and faces
+	for ( std::size_t at = 0; at < bytes.size(); ++line )
+	{
+		const std::size_t end = std::min( bytes.find( '\n', at ), bytes.size() );
+		const std::string_view text = bytes.substr( at, end - at );
+		for ( const std::string& word : splitBlanks( text.substr( 0, text.find( '#' ) ) ) )
+		{
+			const bool head = line == 0 && word.size() >= 3 && word.compare( word.size() - 3, 3, "OFF" ) == 0; // COFF, 4OFF
+			const auto number = parseNumber( word );
+			if ( !head && !number )
+			{
+				throw MeshProblem{ fmt::format( "line {} has \"{}\" where a number should be", line + 1, word.substr( 0, 40 ) ) };
+			}
+			if ( !head && numbers < 2 )
+			{
+				counts[numbers] = *number;
+			}
+			numbers += head ? 0 : 1;
+		}
+		at = end + 1;
+	}
+	// assimp makes room for as many as the head says
+	if ( !( counts[0] >= 0 && counts[1] >= 0 && 3 * counts[0] + 2 * counts[1] <= static_cast<double>( numbers ) ) )
+	{
+		throw MeshProblem{ fmt::format( "its head has {:g} vertices and {:g} faces, and there are {} numbers in all", counts[0], counts[1], numbers ) };
+	}
 }
 
 void checkObj( const std::string& bytes )

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Formats of mesh files. COLLADA and glTF are read here. OBJ is checked and PLY is written anew before assimp reads them,
+// Formats of mesh files. STL as text, COLLADA and glTF are read here. OBJ and OFF are checked and PLY is written anew before assimp reads them,
 // because assimp's readers trust the numbers of a file. Defects that fuzzing found are refused with a message (tests/fuzz).
 #pragma once
 
@@ -26,7 +26,7 @@ struct MeshPlace
 	void checkDepth( std::size_t depth ) const;
 };
 
-/// The bytes for assimp: PLY written anew, OBJ after its check, other formats unchanged. @throws MeshProblem
+/// The bytes for assimp: PLY written anew, OBJ and OFF after their check, other formats unchanged. @throws MeshProblem
 std::string checkedMesh( const std::string& extension, std::string bytes );
 
 /// A text whose lines are those of OBJ files, with numbers where there have to be some. @throws MeshProblem
@@ -38,11 +38,20 @@ void checkObj( const std::string& bytes );
 /// @throws MeshProblem
 std::string plainPly( std::string bytes );
 
+/// The triangles of all solids of an STL file that is text. @throws MeshProblem, and Error beyond a limit
+TriangleSoup readStlText( const MeshPlace& place, std::string_view text );
+
+/// An OFF file whose words are numbers, but for its first. @throws MeshProblem
+void checkOff( std::string_view bytes );
+
 /// The triangles of the scene of a COLLADA document. @throws MeshProblem, and Error beyond a limit
 TriangleSoup readCollada( const MeshPlace& place, const std::string& bytes );
 
 /// The triangles of the scene of a glTF 2.0 file, binary or text; buffers in files beside it are read.
 /// @throws MeshProblem, and Error beyond a limit
 TriangleSoup readGltf( const MeshPlace& place, const std::string& bytes );
+
+/// False only if no part of a binary glTF file can be in another file. Cheap: true where a name could be hidden.
+bool gltfNamesFiles( std::string_view bytes );
 
 } // namespace leeway::io::detail

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh files by assimp (STL, OBJ, PLY): the triangles as they are, in metres. Binary STL, which most robots come in, is a
-// list of numbers: it is read without; COLLADA and glTF by collada_reader.cpp and gltf_reader.cpp.
+// Mesh files by assimp (OBJ, PLY, OFF): the triangles as they are, in metres. Binary STL, which most robots come in, is a
+// list of numbers: it is read without; STL as text, COLLADA and glTF by stl_reader.cpp, collada_reader.cpp and gltf_reader.cpp.
 //
 // Conventions are those of RViz and MoveIt (geometric_shapes): a COLLADA file's <unit> is applied, its <up_axis> is not,
 // because robot descriptions place the mesh as it is drawn; glTF nodes are applied, its y-up convention is not turned.
@@ -9,6 +9,7 @@
 #include "mesh/placement.hpp"
 #include "mesh/plain_mesh.hpp"
 
+#include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -127,16 +128,18 @@ void appendNode(
 	}
 }
 
-/// Of a file that assimp reads itself.
-void checkSize( const MeshPlace& place )
+/// assimp opens what a mesh file names, such as an OBJ's library of materials: here nothing, neither pipes nor devices. The
+/// mesh itself is in memory.
+class NoFiles : public Assimp::IOSystem
 {
-	std::error_code error;
-	const std::uintmax_t size = std::filesystem::file_size( place.mesh_file, error );
-	checkLimit( &Limits::file_bytes, error ? 0 : size, fmt::format( "bytes in mesh {}", place.mesh_file ), place.from_file,
-	    place.element );
-}
+public:
+	bool Exists( const char* ) const override { return false; }
+	char getOsSeparator() const override { return '/'; }
+	Assimp::IOStream* Open( const char*, const char* ) override { return nullptr; }
+	void Close( Assimp::IOStream* ) override {}
+};
 
-/// @param bytes of a file that is self-contained @throws MeshProblem, Error
+/// @throws MeshProblem, Error
 TriangleSoup readByAssimp( const MeshPlace& place, const std::string& extension, std::string bytes )
 {
 	Assimp::Importer importer;
@@ -145,18 +148,11 @@ TriangleSoup readByAssimp( const MeshPlace& place, const std::string& extension,
 		throw Error( place.from_file, place.element, fmt::format( "mesh {} is of a type that cannot be read", place.mesh_file ),
 		    "convert it to STL, OBJ, DAE, PLY or glTF" );
 	}
-	const aiScene* scene = nullptr;
-	if ( isSelfContained( extension ) )
-	{
-		// assimp reads the checked bytes, not the file, which another program may write meanwhile
-		bytes = checkedMesh( extension, std::move( bytes ) );
-		scene = importer.ReadFileFromMemory( bytes.data(), bytes.size(), 0, extension.c_str() + 1 );
-	}
-	else
-	{
-		checkSize( place );
-		scene = importer.ReadFile( place.mesh_file, 0 );
-	}
+	// assimp reads the checked bytes, not the file, which another program may write meanwhile
+	bytes = checkedMesh( extension, std::move( bytes ) );
+	importer.SetIOHandler( new NoFiles ); // which the importer owns
+	const char* hint = extension.empty() ? "" : extension.c_str() + 1;
+	const aiScene* scene = importer.ReadFileFromMemory( bytes.data(), bytes.size(), 0, hint );
 	if ( scene != nullptr && scene->mRootNode != nullptr )
 	{
 		Checks{ place }.check( *scene );
@@ -169,6 +165,19 @@ TriangleSoup readByAssimp( const MeshPlace& place, const std::string& extension,
 	TriangleSoup soup;
 	appendNode( *scene, *scene->mRootNode, IN_PLACE, place, soup );
 	return soup;
+}
+
+/// Behind a byte order mark.
+std::size_t textBegin( const std::string& bytes )
+{
+	return bytes.compare( 0, 3, "\xef\xbb\xbf" ) == 0 ? 3 : 0;
+}
+
+/// Binary files may begin with the same word, but have the size that they state.
+bool isStlText( const std::string& bytes )
+{
+	const std::size_t begin = bytes.find_first_not_of( " \t\r\n", textBegin( bytes ) );
+	return !isBinaryStl( bytes ) && begin != std::string::npos && ( bytes.compare( begin, 5, "solid" ) == 0 || bytes.compare( begin, 5, "SOLID" ) == 0 );
 }
 
 } // namespace
@@ -185,9 +194,13 @@ bool isBinaryStl( const std::string& bytes )
 	return count > 0 && bytes.size() == header + sizeof( count ) + 50 * static_cast<std::size_t>( count );
 }
 
-bool isSelfContained( const std::string& extension )
+bool isSelfContained( const std::string& extension, std::string_view bytes )
 {
-	for ( const char* known : { ".stl", ".obj", ".ply", ".dae", ".off", ".glb" } )
+	if ( extension == ".glb" )
+	{
+		return !gltfNamesFiles( bytes );
+	}
+	for ( const char* known : { ".stl", ".obj", ".ply", ".dae", ".off" } )
 	{
 		if ( extension == known )
 		{
@@ -237,10 +250,10 @@ TriangleSoup readMeshFile(
 	TriangleSoup soup;
 	try
 	{
-		// assimp opens files that are not self-contained itself; readFile() still makes its checks of every file
 		bytes = bytes.empty() ? readFile( mesh_file ) : std::move( bytes );
 		soup = extension == ".gltf" || extension == ".glb" ? readGltf( place, bytes )
 		       : extension == ".dae"                       ? readCollada( place, bytes )
+		       : extension == ".stl" && isStlText( bytes ) ? readStlText( place, std::string_view( bytes ).substr( textBegin( bytes ) ) )
 		                                                   : readByAssimp( place, extension, std::move( bytes ) );
 	}
 	catch ( const MeshProblem& problem )

@@ -153,7 +153,7 @@ void PairWriter::write()
 	}
 }
 
-/// What is fixed to the world does not collide with its planes.
+/// Links that are fixed to the world do not collide with its planes.
 void PairWriter::writePlane( const PlaneLink& plane )
 {
 	for ( std::size_t i = 0; i < m_tree.bodies.size(); ++i )

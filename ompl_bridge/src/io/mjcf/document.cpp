@@ -41,7 +41,7 @@ void Document::include( const XMLElement& parent, std::size_t depth )
 		std::unique_ptr<XmlFile> file;
 		try
 		{
-			file = std::make_unique<XmlFile>( path.string() );
+			file = std::make_unique<XmlFile>( path.string(), readFile( path.string() ) );
 		}
 		catch ( const Error& e )
 		{

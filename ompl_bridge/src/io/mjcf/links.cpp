@@ -25,7 +25,7 @@ bool isIdentity( const lw_transform& t )
 	return std::equal( &t.r[0][0], &t.r[0][0] + 9, &identity.r[0][0] ) && std::equal( t.t, t.t + 3, identity.t );
 }
 
-/// What a joint does to the frame at the difference of its value to its reference.
+/// The motion of the frame by a joint at the difference of its value to its reference.
 lw_transform motion( const Joint& joint, double difference )
 {
 	if ( joint.type == Joint::SLIDE )

@@ -15,7 +15,7 @@ namespace mjcf
 namespace
 {
 
-/// Shapes of all links, and what the report says of geoms that give none.
+/// Shapes of all links, and notices of geoms that give none.
 class ShapeReader
 {
 public:
@@ -198,7 +198,7 @@ void checkSolid( const LoadOptions& options, const RobotModel& model )
 	}
 }
 
-/// Sections that need no reading, and those that change what a body is.
+/// Sections that need no reading, and those that change bodies.
 void checkSections( const Document& document )
 {
 	for ( const XMLElement* e : document.children( document.root() ) )

@@ -20,18 +20,17 @@ struct JointNames
 };
 JointNames namesOf( const Joint& joint );
 
-/// Links and joints of a body, behind those of its parent; shapes are not yet there.
-/// @param coupled joints that follow others, or are fixed, by name
+/// A joint that follows another one, or is fixed.
 struct Coupling
 {
 	std::string driver;                ///< empty: fixed
 	double multiplier = 0, offset = 0; ///< value = multiplier * driver's value + offset
 };
-using Couplings = std::map<std::string, Coupling>;
+using Couplings = std::map<std::string, Coupling>; ///< by name of the joint
 /// Joints of <equality> that follow others linearly; notices about all that it cannot hold. @throws Error
 Couplings readCouplings(
     const Document& document, const Defaults& defaults, const Tree& tree, std::vector<Notice>& notices );
-/// Adds the link of each body, and the joints between.
+/// Adds the link of each body, behind that of its parent and without shapes, and the joints between.
 void addLinks( const Document& document, const Tree& tree, const Couplings& couplings, RobotModel& model );
 
 /// Geoms of <pair>, by the two names, sorted.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What holds for a whole MJCF model: <compiler>, <option> and the classes of <default>.
+// Settings of a whole MJCF model: <compiler>, <option> and the classes of <default>.
 #include "mjcf/settings.hpp"
 
 #include <cctype>

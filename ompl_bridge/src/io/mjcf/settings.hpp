@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What holds for a whole MJCF model: <compiler>, <option> and the classes of <default>.
+// Settings of a whole MJCF model: <compiler>, <option> and the classes of <default>.
 #pragma once
 
 #include "mjcf/document.hpp"
@@ -54,7 +54,7 @@ private:
 /// The orientation attributes; the first element that has one uses no other.
 constexpr const char* orientations[] = { "quat", "axisangle", "euler", "xyaxes", "zaxis" };
 
-/// Which of them an element has; nullptr if none. @throws Error if it has two
+/// The one that an element has; nullptr if none. @throws Error if it has two
 const char* orientationOf( const Document& document, const XMLElement& element );
 
 /// Poses of elements.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The kinematic tree of an MJCF model: bodies with their joints and geoms; frames and replicas are resolved.
 //
-// Semantics are those of MuJoCo's XML reference; what it leaves open was tried with MuJoCo 4.0.
+// Semantics are those of MuJoCo's XML reference; gaps in it were tried with MuJoCo 4.0.
 #include "mjcf/tree.hpp"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-/// Where the walk is: the body, what frames and replicas around the element add, and the default class.
+/// The place of the walk: the body, the pose that frames and replicas around the element add, and the default class.
 struct Place
 {
 	std::size_t body = 0;

@@ -51,7 +51,8 @@ void removeAll( XMLElement& parent, const char* name )
 
 std::string writeSpheresUrdf( const RobotModel& model, const std::vector<LinkSpheres>& links )
 {
-	detail::XmlFile file( model.urdf_file, "URDF" );
+	detail::XmlFile file( model.urdf_file );
+	file.requireRobot( "URDF" );
 	tinyxml2::XMLDocument& xml = file.document();
 	for ( XMLElement* link = xml.RootElement()->FirstChildElement( "link" ); link != nullptr;
 	      link = link->NextSiblingElement( "link" ) )

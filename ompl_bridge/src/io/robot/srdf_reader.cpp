@@ -41,8 +41,9 @@ class SrdfReader
 {
 public:
 	SrdfReader( const std::string& file, bool strict, RobotModel& model )
-	    : m_xml( file, "SRDF" ), m_strict( strict ), m_model( model )
+	    : m_xml( file ), m_strict( strict ), m_model( model )
 	{
+		m_xml.requireRobot( "SRDF" );
 	}
 	void read();
 

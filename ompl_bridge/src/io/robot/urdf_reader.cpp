@@ -700,9 +700,8 @@ RobotModel readUrdf( XmlFile& xml, const LoadOptions& options )
 	return model;
 }
 
-RobotModel readRobot( const std::string& file, const LoadOptions& options )
+RobotModel readRobot( std::unique_ptr<XmlFile> xml, const LoadOptions& options )
 {
-	auto xml = std::make_unique<XmlFile>( file );
 	const XMLElement* root = xml->document().RootElement();
 	const bool mjcf = root != nullptr && std::strcmp( root->Name(), "mujoco" ) == 0;
 	return mjcf ? readMjcf( std::move( xml ), options ) : readUrdf( *xml, options );
@@ -732,7 +731,7 @@ void noticePackagePaths( const LoadOptions& options, std::vector<Notice>& notice
 
 RobotModel loadRobot( const std::string& urdf_file, const std::string& srdf_file, const LoadOptions& options )
 {
-	RobotModel model = detail::readRobot( urdf_file, options );
+	RobotModel model = detail::readRobot( std::make_unique<detail::XmlFile>( urdf_file ), options );
 	noticePackagePaths( options, model.report.notices );
 	detail::noticeOddSizes( model, model.report.notices );
 	if ( !srdf_file.empty() )

@@ -4,6 +4,8 @@
 // Shapes are built once; other joint values are other poses of the same shapes.
 #include "scene/articulation.hpp"
 
+#include "base/xml.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -118,11 +120,11 @@ void noticeLimits( const Articulation& articulation, const detail::ShapeLoader::
 namespace detail
 {
 
-Articulation readArticulation( const std::string& urdf_file, const std::string& name, const std::string& prefix,
+Articulation readArticulation( std::unique_ptr<XmlFile> xml, const std::string& name, const std::string& prefix,
     const std::map<std::string, double>& values, const ShapeLoader::Place& place, const LoadOptions& options )
 {
 	Articulation articulation;
-	articulation.model = readRobot( urdf_file, options );
+	articulation.model = readRobot( std::move( xml ), options );
 	RobotModel& model = articulation.model;
 	articulation.name = name.empty() ? model.name : name;
 	articulation.pose = lw_transform_identity();

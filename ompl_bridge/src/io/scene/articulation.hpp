@@ -7,12 +7,12 @@
 namespace leeway::io::detail
 {
 
-/// Reads a URDF and sets it up at these joint values; joints that are not named are at zero. The articulation's shapes and
+/// Sets a URDF or MJCF up at these joint values; joints that are not named are at zero, those of an MJCF where the file places them. The articulation's shapes and
 /// notices are in its model's report.
 /// @param prefix of the objects' names: "" or "kitchen/"
 /// @param place the file and element that errors about values name
 /// @throws Error
-Articulation readArticulation( const std::string& urdf_file, const std::string& name, const std::string& prefix,
+Articulation readArticulation( std::unique_ptr<XmlFile> xml, const std::string& name, const std::string& prefix,
     const std::map<std::string, double>& values, const ShapeLoader::Place& place, const LoadOptions& options );
 
 /// Its objects where its values put them, one for each link with geometry.

@@ -35,6 +35,7 @@ std::vector<double> sizes( const YamlNode& dimensions, std::initializer_list<con
 GoalRegion readRegion( const YamlNode& node, const YamlNode& pose )
 {
 	node.noticeUnknownKeys( { "type", "dimensions", "polygon" } );
+	node.noticeUnused( { "polygon" }, "it is that of a prism" );
 	GoalRegion region;
 	region.pose = pose.pose();
 	const std::string type = node["type"].text();
@@ -68,9 +69,13 @@ GoalRegion readRegion( const YamlNode& node, const YamlNode& pose )
 std::vector<GoalRegion> readRegions( const YamlNode& node )
 {
 	node.noticeUnknownKeys( { "primitives", "primitive_poses", "meshes", "mesh_poses" } );
-	if ( node["meshes"].size() > 0 )
+	for ( const char* key : { "meshes", "mesh_poses" } )
 	{
-		node["meshes"].fail( "a mesh as goal region is not supported", "use primitives: box, sphere or cylinder" );
+		if ( node[key].size() == 0 )
+		{
+			continue;
+		}
+		node[key].fail( "a mesh as goal region is not supported", "use primitives: box, sphere or cylinder" );
 	}
 	const YamlNode primitives = node["primitives"], poses = node["primitive_poses"];
 	if ( primitives.size() == 0 )

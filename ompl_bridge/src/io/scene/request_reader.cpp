@@ -139,6 +139,7 @@ Request loadRequest( const std::string& file )
 		    "attached objects are not read from requests", "put them into robot_state of the planning scene" );
 	}
 	start.noticeUnknownKeys( { "joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff" } );
+	start.noticeUnused( { "is_diff" }, "joints that are not named stand at zero" );
 	request.start = detail::readJointState( start );
 	refuseConstraints( root["path_constraints"],
 	    { "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints" },

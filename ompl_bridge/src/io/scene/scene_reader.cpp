@@ -7,12 +7,12 @@
 #include "shape/geometry_loader.hpp"
 #include "scene/padding.hpp"
 #include "robot/plausibility.hpp"
+#include "base/xml.hpp"
 #include "base/yaml.hpp"
 
 #include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
-#include <fstream>
 #include <set>
 
 namespace leeway::io
@@ -35,8 +35,8 @@ std::string lower( std::string text )
 class SceneReader
 {
 public:
-	SceneReader( const std::string& file, const LoadOptions& options, SceneModel& scene )
-	    : m_root( YamlNode::load( file, scene.report.notices ) ), m_options( options ), m_shapes( options, scene.report ),
+	SceneReader( std::string content, const LoadOptions& options, SceneModel& scene )
+	    : m_root( YamlNode::parse( scene.file, std::move( content ), scene.report.notices ) ), m_options( options ), m_shapes( options, scene.report ),
 	      m_geometry( options, scene.report ), m_scene( scene )
 	{
 	}
@@ -102,11 +102,13 @@ void SceneReader::checkTop() const
 	m_root.noticeUnknownKeys( { "name", "robot_state", "robot_model_name", "fixed_frame_transforms",
 	    "allowed_collision_matrix", "link_padding", "link_scale", "object_colors", "world", "is_diff" } );
 	m_root["world"].noticeUnknownKeys( { "collision_objects", "octomap", "leeway_articulations" } );
+	m_root.noticeUnused( { "is_diff" }, "objects of the scene that this one changes are not in the file, and not in the world" );
 }
 
 Shape SceneReader::readPrimitive( const YamlNode& node, const std::string& owner )
 {
-	node.noticeUnknownKeys( { "type", "dimensions" } );
+	node.noticeUnknownKeys( { "type", "dimensions", "polygon" } );
+	node.noticeUnused( { "polygon" }, "it is that of a prism" );
 	std::string type = lower( node["type"].text() );
 	YamlNode dimensions = node["dimensions"];
 	if ( type == "box" || type == "1" )
@@ -407,10 +409,7 @@ SceneObject SceneReader::readObject( const YamlNode& unnamed )
 		node["operation"].fail(
 		    fmt::format( "operation {} is not supported", operation ), "a scene file only adds objects: use ADD (0)" );
 	}
-	if ( node["subframe_names"].size() > 0 )
-	{
-		node["subframe_names"].notice( "subframes are ignored" );
-	}
+	node.noticeUnused( { "subframe_names", "subframe_poses" }, "subframes are ignored" );
 	object.frame = node.frame();
 	if ( node["pose"].defined() )
 	{
@@ -444,6 +443,10 @@ void SceneReader::readOctomapMessage()
 	YamlNode node = m_root["world"]["octomap"], map = node["octomap"];
 	node.noticeUnknownKeys( { "header", "origin", "octomap", "leeway_unknown", "leeway_bounds" } );
 	map.noticeUnknownKeys( { "header", "binary", "id", "resolution", "data" } );
+	if ( map["header"]["frame_id"].textOr( "" ) != node["header"]["frame_id"].textOr( "" ) )
+	{
+		map["header"].noticeUnused( { "frame_id" }, "the map is in the frame of world.octomap.header" );
+	}
 	std::string bytes = map["data"].bytes();
 	if ( bytes.empty() )
 	{
@@ -502,7 +505,7 @@ void SceneReader::readArticulations()
 		LoadOptions options = m_options;
 		options.solid = node["solid"].textList();
 		Articulation articulation = detail::readArticulation(
-		    file, name, name + "/", node["joint_values"].numberMap(), place( node, name ), options );
+		    std::make_unique<detail::XmlFile>( file, detail::readFile( file ) ), name, name + "/", node["joint_values"].numberMap(), place( node, name ), options );
 		articulation.frame = node.frame();
 		if ( node["pose"].defined() )
 		{
@@ -528,6 +531,7 @@ void SceneReader::readAttached( const YamlNode& state )
 	{
 		YamlNode node = list[i];
 		node.noticeUnknownKeys( { "link_name", "object", "touch_links", "detach_posture", "weight" } );
+		node.noticeUnused( { "detach_posture", "weight" }, "an attached object is its shapes" );
 		AttachedObject attached;
 		attached.link = node["link_name"].text();
 		attached.touch_links = node["touch_links"].textList();
@@ -663,6 +667,7 @@ void SceneReader::read()
 	readOctomapMessage();
 	YamlNode state = m_root["robot_state"];
 	state.noticeUnknownKeys( { "joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff" } );
+	state.noticeUnused( { "is_diff" }, "joints that are not named stand where the request starts, or at zero" );
 	m_scene.state = detail::readJointState( state );
 	readAttached( state );
 	readMatrix();
@@ -674,29 +679,15 @@ void SceneReader::read()
 	}
 }
 
-/// A URDF as a scene: each link with geometry becomes an object, where it is with all joints at zero.
-void readUrdfScene( const std::string& file, const LoadOptions& options, SceneModel& scene )
+/// A URDF or MJCF as a scene: each link with geometry becomes an object.
+void readRobotScene( std::string content, const LoadOptions& options, SceneModel& scene )
 {
-	Articulation articulation = detail::readArticulation( file, "", "", {}, { file, "<robot>", "" }, options );
+	Articulation articulation = detail::readArticulation(
+	    std::make_unique<detail::XmlFile>( scene.file, std::move( content ) ), "", "", {}, { scene.file, "<robot>", "" }, options );
 	scene.name = articulation.name;
 	scene.report = articulation.model.report;
 	scene.objects = detail::articulatedObjects( articulation );
 	scene.articulations.push_back( std::move( articulation ) );
-}
-
-/// Whether the file begins as XML does. Its errors are left to the readers.
-bool isXml( const std::string& file )
-{
-	if ( lower( std::filesystem::path( file ).extension().string() ) == ".urdf" )
-	{
-		return true;
-	}
-	std::ifstream stream( file, std::ios::binary );
-	char first = ' ';
-	while ( stream && ( first == ' ' || first == '\t' || first == '\r' || first == '\n' ) && stream.get( first ) )
-	{
-	}
-	return first == '<';
 }
 
 } // namespace
@@ -705,13 +696,15 @@ SceneModel loadScene( const std::string& file, const LoadOptions& options )
 {
 	SceneModel scene;
 	scene.file = file;
-	if ( isXml( file ) )
+	std::string content = readWholeFile( file );
+	detail::refuseUsd( file, content );
+	if ( detail::beginsAsXml( content ) || lower( std::filesystem::path( file ).extension().string() ) == ".urdf" )
 	{
-		readUrdfScene( file, options, scene );
+		readRobotScene( std::move( content ), options, scene );
 	}
 	else
 	{
-		SceneReader( file, options, scene ).read();
+		SceneReader( std::move( content ), options, scene ).read();
 	}
 	detail::noticeOddSizes( scene, scene.report.notices );
 	return scene;

@@ -44,7 +44,7 @@ double valueOf( std::uint64_t bits )
 }
 
 /// Raised when the readers of formats make other triangles of a file than before: trees of those are then built anew.
-constexpr std::uint64_t readers = 2;
+constexpr std::uint64_t readers = 3;
 
 lw_digest keyOf( const LoadOptions& options, const std::string& extension, const std::array<double, 3>& scale,
     const std::string& bytes )
@@ -315,19 +315,15 @@ Shape MeshSource::shapeNow( const std::string& from_file, const std::string& ele
 void MeshSource::look( const std::string& from_file, const std::string& element, std::vector<Notice>& notices )
 {
 	std::string extension = lowerExtension( m_file ), bytes;
-	bool one_file = isSelfContained( extension );
-	if ( one_file )
+	try
 	{
-		try
-		{
-			bytes = readFile( m_file );
-		}
-		catch ( const Error& )
-		{
-			one_file = false; // the reader below reports the error
-		}
+		bytes = readFile( m_file );
 	}
-	if ( !m_options.cache.empty() && one_file )
+	catch ( const Error& )
+	{
+		// the reader below reports the error
+	}
+	if ( !m_options.cache.empty() && !bytes.empty() && isSelfContained( extension, bytes ) )
 	{
 		Stopwatch watch;
 		m_key = keyOf( m_options, extension, m_scale, bytes );

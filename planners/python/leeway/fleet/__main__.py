@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 
-from .._core import Error
+from .._core import Error, whole_number
+
+
+def _count(text: str) -> int:
+    try:
+        return whole_number("it", int(text))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -14,15 +22,16 @@ def _parser() -> argparse.ArgumentParser:
     run = commands.add_parser("run", help="make the shards that are not there yet")
     run.add_argument("campaign", help="TOML file")
     run.add_argument("--out", help="folder of the results (default: CAMPAIGN.fleet beside the file)")
-    run.add_argument("--workers", type=int, default=1, help="processes on this machine; 0: this one, without Dask")
+    run.add_argument("--workers", type=_count, default=1, help="processes on this machine; 0: this one, without Dask")
     run.add_argument("--scheduler", default="", help="address of a Dask scheduler whose workers see the same folders")
     run.add_argument("--dry-run", action="store_true", help="cost from a sample; writes nothing")
     run.add_argument("--trust", action="store_true", help="do not read recorded files again first")
     run.add_argument("--quiet", action="store_true", help="no estimate, no bar")
-    status = commands.add_parser("status", help="the shards that are there")
+    status = commands.add_parser("status", help="the shards that are there and have the recorded bytes")
+    status.add_argument("--trust", action="store_true", help="by the manifest alone; do not read the files")
     verify = commands.add_parser("verify", help="compare files with the manifest; make some shards again")
     verify.add_argument("--campaign", help="TOML file, for --remake")
-    verify.add_argument("--remake", type=int, default=0, help="random shards to make again and compare")
+    verify.add_argument("--remake", type=_count, default=0, help="random shards to make again and compare")
     report = commands.add_parser("report", help="tables and plots")
     commands.add_parser("referee", help="paths of several planners on the same problems, audited on the meshes; its own --help")
     report.add_argument("--page", help="HTML file (default: report.html in the folder)")
@@ -39,7 +48,7 @@ def _execute(a: argparse.Namespace) -> int:
         return 0 if a.dry_run or found.complete else 1
     if a.command == "status":
         from .running import status
-        found = status(a.folder)
+        found = status(a.folder, a.trust)
         print(found)
         return 0 if found.complete else 1
     if a.command == "verify":
@@ -51,6 +60,12 @@ def _execute(a: argparse.Namespace) -> int:
     found = report(a.folder, a.page)
     print(found)
     return 0 if not found.contradictions and not found.faults else 1
+
+
+def _interrupt(number, frame) -> None:
+    """The first Ctrl-C ends the command. Others, which the impatient send, do not disturb its end."""
+    signal.signal(number, signal.SIG_IGN)
+    raise KeyboardInterrupt
 
 
 def main(arguments=None) -> int:
@@ -69,4 +84,6 @@ def main(arguments=None) -> int:
 
 
 if __name__ == "__main__":
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # nohup ignores it, and so do we then
+        signal.signal(signal.SIGINT, _interrupt)
     sys.exit(main())

@@ -23,19 +23,14 @@ import pathlib
 import re
 from typing import Any, NamedTuple
 
+from .documents import ONCE, parse_toml, read_text
 from .errors import FleetError
-from .files import read_regular
-
-try:
-    import tomllib
-except ImportError:  # Python 3.10 and before
-    import tomli as tomllib
 
 __all__ = ["Campaign", "Option", "checked", "files_of", "load_campaign", "shown"]
 
 SHARD_ROWS = 65536
 MOST_BYTES = 1 << 24  # of a campaign file
-ROBOT_NAME = re.compile(r"\w[\w.-]*")  # of robots and scenes: a part of files' names
+ROBOT_NAME = re.compile(r"\w[\w.-]{0,99}")  # of robots and scenes: a part of files' names
 
 
 class Option(NamedTuple):
@@ -123,17 +118,17 @@ def load_campaign(file, kinds: dict[str, Any]) -> Campaign:
     """Reads a campaign. kinds: name to kind; each has `options`."""
     path = pathlib.Path(file)
     try:
-        values = tomllib.loads(read_regular(path, MOST_BYTES).decode())
-    except OSError as error:
-        raise FleetError(path, "", error.strerror or str(error), "give the path of a campaign's TOML file") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise FleetError(path, "", str(error), "correct the TOML") from None
+        values = parse_toml(read_text(path, MOST_BYTES, "give the path of a campaign's TOML file"))
+    except FleetError:
+        raise
+    except ValueError as error:
+        raise FleetError(path, "", str(error), ONCE if "again in line" in str(error) else "correct the TOML") from None
     top = checked(path, "", values, TOP)
     top["robots"] = {name: checked(path, f"robots.{name}", robot, ROBOT) for name, robot in top["robots"].items()}
     top["scenes"] = {name: checked(path, f"scenes.{name}", scene, SCENE) for name, scene in top["scenes"].items()}
     for name in [*top["robots"], *top["scenes"]]:
         if not ROBOT_NAME.fullmatch(name):
-            raise FleetError(path, name, "is no name of a robot or scene: it is a part of files' names", "give letters, digits, -, _ and .")
+            raise FleetError(path, name, "is no name of a robot or scene: it is a part of files' names", "give at most 100 letters, digits, -, _ and .")
     for name, scene in top["scenes"].items():
         if bool(scene["file"]) == bool(scene["generator"]):
             raise FleetError(path, f"scenes.{name}", "has both or none of file and generator", "give one of them")
@@ -144,7 +139,7 @@ def load_campaign(file, kinds: dict[str, Any]) -> Campaign:
         if kind not in kinds:
             raise FleetError(path, f"{element}.kind", f"is {kind!r}", f"give one of {', '.join(kinds)}")
         entry = checked(path, element, given, {**WORK, **kinds[kind].options})
-        if "scenes" not in given and top["scenes"] and kinds[kind].in_scenes:
+        if "scenes" not in given and top["scenes"] and kinds[kind].in_scenes and not entry.get("table"):
             raise FleetError(path, f"{element}.scenes", f"is missing, and the campaign has {', '.join(top['scenes'])}: the rows would be of a world without obstacles",
                 "name the scenes, or write scenes = [] for no obstacles")
         entry["robots"] = entry["robots"] or list(top["robots"])

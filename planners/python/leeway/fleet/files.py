@@ -9,7 +9,7 @@ import pathlib
 import stat
 from typing import IO
 
-__all__ = ["append_line", "digest_of_file", "is_inside", "open_regular", "read_regular"]
+__all__ = ["MOST_BYTES", "append_line", "digest_of_file", "is_inside", "open_regular", "read_regular"]
 
 MOST_BYTES = 1 << 30  # of a manifest or a list of runs
 

@@ -11,7 +11,7 @@ import numpy
 from .._core import Checker, Verdict
 from ..results import Motions
 
-__all__ = ["least_clearance", "look_at_edges"]
+__all__ = ["least_clearance", "look_at_edges", "look_at_path"]
 
 FINER = 16  # states in place of one step around a low place
 PLACES = 4  # low places that are looked at again
@@ -61,3 +61,23 @@ def look_at_edges(checker: Checker, a, b, found: Motions, chosen: numpy.ndarray,
         else:
             contradiction[i] = here > (min_d + slack) / 0.9 + ROUNDING
     return least, contradiction
+
+
+def look_at_path(checker: Checker, path: numpy.ndarray, check: str, step: float) -> tuple[float, int, float, float]:
+    """(least clearance, its edge and t, share of the length in contact) of dense states."""
+    least, edge, place, touching, length = float("inf"), 0, 0.0, 0.0, 0.0
+    for i, (a, b) in enumerate(zip(path[:-1], path[1:])):
+        toward = numpy.where(checker.wraps, numpy.remainder(b - a + numpy.pi, 2 * numpy.pi) - numpy.pi, b - a)
+
+        def at(t, a=a, toward=toward):
+            return a + numpy.asarray(t)[:, None] * toward
+
+        count = int(numpy.ceil(numpy.abs(toward).max() / step)) + 1
+        value, t = least_clearance(checker, at, check, count)
+        far = float(numpy.sqrt(numpy.square(toward).sum()))
+        if value <= 0:
+            touching += far * float((checker.clearance(at(numpy.linspace(0, 1, max(3, 4 * count))), check=check, witnesses=False).upper <= 0).mean())
+        length += far
+        if value < least:
+            least, edge, place = value, i, t
+    return least, edge, place, touching / length if length > 0 else 0.0

@@ -11,8 +11,10 @@ import re
 from typing import Any, Iterator
 
 from .campaign import shown
+from .documents import parse_json
 from .errors import FleetError
 from .files import digest_of_file, is_inside, read_regular
+from .maker import maker_text
 from .plan import FORMAT, check_plan, rows_in, shards_of
 from .shard import write_atomically
 from .tables import add_digests
@@ -22,6 +24,7 @@ __all__ = ["content_digest", "locked", "read_manifest", "sound_records", "start_
 NAME = "manifest.json"
 REMEDY = "move it away and run the campaign again: whole files are kept"
 HASH = re.compile("[0-9a-f]{64}")
+RECORD = ("bytes", "sha256", "content", "leeway", "module")  # entries of a record beside those that follow from the plan
 
 
 def write_manifest(folder: pathlib.Path, plan: dict[str, Any], records: dict[int, dict[str, Any]]) -> None:
@@ -38,13 +41,13 @@ def read_manifest(folder) -> tuple[dict[str, Any], dict[int, dict[str, Any]]]:
     """(plan, records by index)."""
     path = pathlib.Path(folder) / NAME
     try:
-        manifest = json.loads(read_regular(path).decode())
+        manifest = parse_json(read_regular(path).decode())
         plan, shards, content = manifest["plan"], manifest["shards"], manifest["content"]
         version = plan["format"]
     except OSError as error:
         raise FleetError(path, "", error.strerror or str(error), "give the folder of a campaign's results") from None
-    except (ValueError, KeyError, TypeError, RecursionError):
-        raise FleetError(path, "", "is no manifest of a campaign", REMEDY) from None
+    except (ValueError, KeyError, TypeError) as error:
+        raise FleetError(path, "", f"is no manifest of a campaign: {error}", REMEDY) from None
     if version != FORMAT:
         raise FleetError(path, "plan.format", f"is {version}, and this version of leeway knows {FORMAT}",
             f"go on with leeway {plan.get('leeway', 'of the time')}, or give another --out folder")
@@ -71,7 +74,9 @@ def _checked_records(path: pathlib.Path, plan: dict[str, Any], given: Any) -> di
         for name in ("sha256", "content"):
             if not isinstance(record.get(name), str) or not HASH.fullmatch(record[name]):
                 raise FleetError(path, f"shards[{i}].{name}", f"is {shown(record.get(name))}, no digest", REMEDY)
-        if not isinstance(record.get("bytes"), int) or isinstance(record["bytes"], bool) or set(record) != {*expected, "bytes", "sha256", "content"}:
+        if not isinstance(record.get("leeway"), str) or not isinstance(record.get("module"), str):
+            raise FleetError(path, f"shards[{i}]", f"does not say which leeway made shard {index}", REMEDY)
+        if not isinstance(record.get("bytes"), int) or isinstance(record["bytes"], bool) or set(record) != {*expected, *RECORD}:
             raise FleetError(path, f"shards[{i}]", "is no record of a shard", REMEDY)
         records[index] = record
     return records
@@ -99,16 +104,22 @@ def start_manifest(folder: pathlib.Path, plan: dict[str, Any]) -> dict[int, dict
     if old["leeway"] != plan["leeway"]:
         raise FleetError(folder / NAME, "plan.leeway", f"is {old['leeway']}, and this is leeway {plan['leeway']}",
             f"go on with leeway {old['leeway']}, or give another --out folder")
+    if old["module"] != plan["module"]:
+        raise FleetError(folder / NAME, "plan.module", f"is of another build, {maker_text(old)}; this is {maker_text(plan)}",
+            "go on with that build, or give another --out folder")
     if old["id"] != plan["id"]:
         raise FleetError(folder / NAME, "plan", f"is of another campaign, {_difference(old, plan)}",
             "give another --out folder, or put the campaign back as it was")
     return records
 
 
-def sound_records(folder: pathlib.Path, records: dict[int, dict[str, Any]]) -> tuple[dict[int, dict[str, Any]], dict[str, str]]:
-    """(records whose files have the recorded bytes, the other files with their fault)."""
+def sound_records(folder: pathlib.Path, plan: dict[str, Any], records: dict[int, dict[str, Any]]) -> tuple[dict[int, dict[str, Any]], dict[str, str]]:
+    """(records whose files have the recorded bytes and were made by the plan's build of leeway, the other files with their fault)."""
     sound, faults = {}, {}
     for index, record in records.items():
+        if (record["leeway"], record["module"]) != (plan["leeway"], plan["module"]):
+            faults[record["file"]] = f"was made by {maker_text(record)}, and the campaign is of {maker_text(plan)}"
+            continue
         if not is_inside(folder, record["file"]):
             raise FleetError(folder / record["file"], "", "is reached through a link, which may lead anywhere", "replace the link by its folder")
         try:

@@ -11,15 +11,20 @@
 from __future__ import annotations
 
 import csv
-import json
+import io
+import math
 import pathlib
+import zipfile
+import zlib
 from typing import Any, NamedTuple
 
 import numpy
 
+from .documents import read_documents, read_text
 from .errors import FleetError
+from .files import MOST_BYTES, read_regular
 
-__all__ = ["PathData", "read_group", "read_joints", "read_paths", "read_states"]
+__all__ = ["PathData", "once", "read_group", "read_joints", "read_paths", "read_states"]
 
 
 class PathData(NamedTuple):
@@ -28,6 +33,15 @@ class PathData(NamedTuple):
     times: numpy.ndarray | None = None
     velocities: numpy.ndarray | None = None
     accelerations: numpy.ndarray | None = None
+
+
+def once(file, element: str, names: list[str], what: str) -> None:
+    """Raises FleetError for a name that is there twice: readers differ in which of them they take."""
+    places: dict[str, int] = {}
+    for i, name in enumerate(names):
+        if name in places:
+            raise FleetError(file, element, f"has {name!r} as {what} {places[name] + 1} and again as {what} {i + 1}", "keep one of them")
+        places[name] = i
 
 
 def _ordered(file, name: str, joints: list[str], rows: numpy.ndarray, variables: list[str]) -> numpy.ndarray:
@@ -45,17 +59,22 @@ def _in_order(file, name: str, rows: Any, variables: list[str]) -> numpy.ndarray
 
 
 def _from_csv(file: pathlib.Path, variables: list[str]) -> list[PathData]:
-    with open(file, newline="") as text:
-        rows = [row for row in csv.reader(text) if row]
     try:
+        rows = [row for row in csv.reader(io.StringIO(read_text(file), newline="")) if row]
         names = [name.strip() for name in rows[0]]
+        once(file, "header", names, "column")
         values = numpy.array([[float(cell) for cell in row] for row in rows[1:]])
         table = {name: values[:, i] for i, name in enumerate(names)}
-    except (IndexError, ValueError) as error:
+    except (IndexError, ValueError, csv.Error) as error:
+        if isinstance(error, FleetError):
+            raise
         raise FleetError(file, "", f"is no table of numbers under a header: {error}", "correct the file") from None
 
     def block(prefix: str) -> numpy.ndarray | None:
         chosen = {name[len(prefix):]: column for name, column in table.items() if name.startswith(prefix)}
+        missing = [variable for variable in variables if variable not in chosen]
+        if prefix and chosen and missing:
+            raise FleetError(file, "header", f"has {prefix} columns, but none of {', '.join(missing)}", "give all of the group, or none")
         return _ordered(file, "header", list(chosen), numpy.column_stack(list(chosen.values())), variables) if set(variables) <= set(chosen) else None
 
     positions = block("")
@@ -65,16 +84,33 @@ def _from_csv(file: pathlib.Path, variables: list[str]) -> list[PathData]:
 
 
 def _from_numpy(file: pathlib.Path, variables: list[str]) -> list[PathData]:
-    try:
-        found = numpy.load(file, allow_pickle=False)
-    except (OSError, ValueError) as error:
-        raise FleetError(file, "", f"is no array: {error}", "write it by numpy.save() or numpy.savez()") from None
+    found = _arrays(file)
     if isinstance(found, numpy.ndarray):
         return [PathData("", _in_order(file, "", found, variables))]
     if "times" in found and "positions" in found:
         blocks = [_in_order(file, name, found[name], variables) if name in found else None for name in ("positions", "velocities", "accelerations")]
         return [PathData("", blocks[0], numpy.asarray(found["times"], float), *blocks[1:])]
-    return [PathData(name, _in_order(file, name, found[name], variables)) for name in found.files]
+    return [PathData(name, _in_order(file, name, array, variables)) for name, array in found.items()]
+
+
+def _arrays(file: pathlib.Path) -> numpy.ndarray | dict[str, numpy.ndarray]:
+    """The arrays of a file of NumPy's. A header can promise any number of bytes, so their sum is bounded first."""
+    try:
+        data = io.BytesIO(read_regular(file))
+        if file.suffix == ".npy":
+            return numpy.load(data, allow_pickle=False)
+        with zipfile.ZipFile(data) as archive:
+            once(file, "", archive.namelist(), "array")
+            if sum(entry.file_size for entry in archive.infolist()) > MOST_BYTES:
+                raise ValueError(f"unpacked it has more than {MOST_BYTES} bytes")
+        with numpy.load(data, allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}
+    except FleetError:
+        raise
+    except OSError as error:
+        raise FleetError(file, "", error.strerror or f"is no array: {error}", "write it by numpy.save() or numpy.savez()") from None
+    except (ValueError, EOFError, KeyError, MemoryError, NotImplementedError, RuntimeError, SyntaxError, TypeError, zipfile.BadZipFile, zlib.error) as error:
+        raise FleetError(file, "", f"is no array: {error}", "write it by numpy.save() or numpy.savez()") from None
 
 
 def _seconds(point: dict[str, Any]) -> float:
@@ -93,22 +129,15 @@ def _messages(value: Any) -> list[dict[str, Any]]:
     return [found for entry in value for found in _messages(entry)] if isinstance(value, list) else []
 
 
-def _parsed(file: pathlib.Path) -> Any:
-    text = file.read_text()
-    if file.suffix == ".json":
-        return json.loads(text)
-    import yaml
-    return yaml.safe_load(text.split("\n---")[0])
-
-
 def _from_message(file: pathlib.Path, variables: list[str]) -> list[PathData]:
-    try:
-        messages = _messages(_parsed(file))
-    except Exception as error:  # of whichever parser
-        raise FleetError(file, "", f"cannot be read: {error}", "correct the file") from None
-    out = []
-    for i, message in enumerate(messages):
-        points, joints = message["points"], list(message["joint_names"])
+    out: list[PathData] = []
+    for message in _messages(read_documents(file)):
+        i, points, joints = len(out), message["points"], message["joint_names"]
+        if not isinstance(points, list) or not isinstance(joints, list) or not all(isinstance(joint, str) for joint in joints):
+            raise FleetError(file, f"trajectory {i}", "has no list of points, or no list of joint_names", "correct the file")
+        once(file, f"joint_names of trajectory {i}", joints, "joint")
+        if not all(isinstance(point, dict) == isinstance(points[0], dict) for point in points):
+            raise FleetError(file, f"points of trajectory {i}", "are tables and lists", "give all of them in one form")
         if not isinstance(points[0], dict):  # a path of `leeway plan`
             out.append(PathData(str(i), _ordered(file, "points", joints, _in_order(file, "points", points, joints), variables)))
             continue
@@ -136,14 +165,14 @@ def read_paths(file, variables: list[str]) -> list[PathData]:
     file = pathlib.Path(file)
     try:
         if file.suffix == ".txt":
-            found = [PathData("", _in_order(file, "", numpy.loadtxt(file, ndmin=2), variables))]
+            found = [PathData("", _in_order(file, "", numpy.loadtxt(io.StringIO(read_text(file)), ndmin=2), variables))]
         elif file.suffix in READERS:
             found = READERS[file.suffix](file, variables)
         else:
             raise FleetError(file, "", f"ends in {file.suffix!r}", f"give one of .txt, {', '.join(READERS)}")
     except OSError as error:
         raise FleetError(file, "", error.strerror or str(error), "correct the path") from None
-    except ValueError as error:
+    except (ValueError, TypeError, OverflowError) as error:
         if isinstance(error, FleetError):
             raise
         raise FleetError(file, "", f"is no table of numbers: {error}", "correct the file") from None
@@ -156,7 +185,7 @@ def read_paths(file, variables: list[str]) -> list[PathData]:
 def read_states(file) -> dict[str, float]:
     """The start state of a MoveIt motion plan request, by joint."""
     state = _request(pathlib.Path(file), "start_state")["start_state"]["joint_state"]
-    return {name: float(value) for name, value in zip(state["name"], state["position"])}
+    return dict(zip(state["name"], map(float, state["position"])))
 
 
 def read_group(file) -> str:
@@ -165,14 +194,19 @@ def read_group(file) -> str:
 
 
 def _request(file: pathlib.Path, element: str) -> dict[str, Any]:
+    found = read_documents(file)
     try:
-        request = _parsed(file)
-        request["start_state"]["joint_state"]["name"], request["start_state"]["joint_state"]["position"]
-        return request
-    except OSError as error:
-        raise FleetError(file, element, error.strerror or str(error), "correct the path") from None
-    except Exception as error:  # of whichever parser
+        (request,) = found
+        state = request["start_state"]["joint_state"]
+        names, values = state["name"], state["position"]
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            raise ValueError("name is no list of names")
+        if not isinstance(values, list) or len(values) != len(names) or not all(math.isfinite(float(value)) for value in values):
+            raise ValueError(f"position is no list of {len(names)} finite numbers, one for each name")
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise FleetError(file, element, f"is no request with a start state: {error!r}", "give a start_state with a joint_state") from None
+    once(file, "start_state.joint_state.name", names, "joint")
+    return request
 
 
 def read_joints(file, element: str, variables: list[str]) -> tuple[numpy.ndarray, numpy.ndarray]:
@@ -180,7 +214,11 @@ def read_joints(file, element: str, variables: list[str]) -> tuple[numpy.ndarray
     file = pathlib.Path(file)
     request, start = _request(file, element), read_states(file)
     try:
-        goal = {entry["joint_name"]: entry["position"] for entry in request["goal_constraints"][0]["joint_constraints"]}
+        constraints = request["goal_constraints"][0]["joint_constraints"]
+        once(file, "goal_constraints[0].joint_constraints", [entry["joint_name"] for entry in constraints], "joint")
+        goal = {entry["joint_name"]: entry["position"] for entry in constraints}
         return numpy.array([start[name] for name in variables], float), numpy.array([goal.get(name, start[name]) for name in variables], float)
     except (KeyError, IndexError, TypeError, ValueError) as error:
+        if isinstance(error, FleetError):
+            raise
         raise FleetError(file, element, f"is no request with joint constraints: {error!r}", "give joint_constraints for the group") from None

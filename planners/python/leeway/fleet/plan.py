@@ -7,11 +7,11 @@ import json
 import math
 from typing import Any, Iterator, NamedTuple
 
-from .._core import version as leeway_version
-from .campaign import ROBOT_NAME, Campaign, files_of, load_campaign
+from .campaign import ROBOT_NAME, Campaign, checked, files_of, load_campaign
 from .errors import FleetError, named
 from .files import digest_of_file
 from .kinds import Kind, Part
+from .maker import maker
 from .registry import KINDS
 from .scenes import check_generator
 from .worlds import Worlds, scene_digest
@@ -19,7 +19,7 @@ from .worlds import Worlds, scene_digest
 __all__ = ["FORMAT", "Segment", "Shard", "check_plan", "identity_of", "parts_of", "segments_of", "shards_of", "worlds_of"]
 
 MOST_SHARDS, MOST_SCENES = 500_000, 2_000_000  # of a campaign: listing them takes seconds
-FORMAT = 2  # of manifests and of rows; a change of either's meaning is a new number
+FORMAT = 3  # of manifests and of rows; a change of either's meaning is a new number
 
 
 class Shard(NamedTuple):
@@ -97,7 +97,7 @@ def worlds_of(file) -> Worlds:
     for name, scene in campaign.values["scenes"].items():
         if scene["generator"]:
             check_generator(campaign.file, name, scene)
-    plan: dict[str, Any] = {"format": FORMAT, "leeway": leeway_version, "campaign": _plain(campaign.values), "inputs": {"robots": {}, "scenes": {}},
+    plan: dict[str, Any] = {"format": FORMAT, **maker(), "campaign": _plain(campaign.values), "inputs": {"robots": {}, "scenes": {}},
         "parts": [], "id": ""}
     worlds = Worlds(plan, campaign.folder)
     plan["inputs"] = _inputs(campaign, worlds)
@@ -134,14 +134,18 @@ def check_plan(file, plan: Any) -> None:
     try:
         require(plan["id"] == identity_of(plan), "plan.id", "is not the digest of the plan: the file was changed")
         per_shard, shards, scenes = plan["campaign"]["shard_rows"], 0, 0
-        require(is_count(per_shard, 1) and isinstance(plan["campaign"]["name"], str) and isinstance(plan["leeway"], str), "plan.campaign", "is none")
+        require(is_count(per_shard, 1) and isinstance(plan["campaign"]["name"], str) and isinstance(plan["leeway"], str)
+            and isinstance(plan["module"], str), "plan.campaign", "is none")
         for i, part in enumerate(plan["parts"]):
             element = f"plan.parts[{i}]"
             require(set(part) == set(Part._fields) and part["index"] == i and is_count(part["work"], 0), element, "is no part")
             require(part["kind"] in KINDS, f"{element}.kind", f"is {part['kind']!r}, which this version of leeway does not know")
             require(isinstance(part["robot"], str) and ROBOT_NAME.fullmatch(part["robot"]) is not None, f"{element}.robot", "is no name of a robot")
-            require(is_count(part["rows"], 0) and all(is_count(count, 1) and isinstance(name, str) for name, count in part["scenes"]), element, "has no counts")
+            require(is_count(part["rows"], 0) and all(is_count(count, 1) and (name == "" or ROBOT_NAME.fullmatch(name)) for name, count in part["scenes"]), element, "has no counts")
             require(isinstance(part["options"], dict) and isinstance(part["extra"], dict), element, "is no part")
+            options = KINDS[part["kind"]].options
+            require(set(part["options"]) == set(options), f"{element}.options", f"are not {', '.join(options)}")
+            checked(file, f"{element}.options", {name: math.inf if value == "inf" else value for name, value in part["options"].items()}, options)
             worlds = sum(count for _, count in part["scenes"])
             block = KINDS[part["kind"]].block
             shards += math.ceil(math.ceil(part["rows"] / block) * worlds / max(1, math.ceil(per_shard / block)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Kinds of work on whole paths: plans with their audit, and audits of somebody's paths."""
+"""Kind of work on planning problems: plans with their audit."""
 from __future__ import annotations
 
 import time
@@ -7,39 +7,18 @@ from typing import Any
 
 import numpy
 
-from .._core import Checker, Outcome, Verdict
-from .campaign import REQUIRED, Option, checked, files_of
-from .errors import FleetError
-from .kinds import CHECKS, Kind, Part, Rows, address_of, bounded, named_pairs, pair_columns, worst
-from .looks import least_clearance
+from .._core import Checker, Outcome
+from .campaign import Option, checked
+from .kinds import CHECKS, Kind, Part, Rows, address_of, bounded
+from .looks import look_at_path
 from .planners import PLANNER, check_planners, length_of, plan_by
 from .seeds import stream_of
 from .tables import Column, Words
 from .worlds import Worlds
 
-__all__ = ["Audits", "Plans", "look_at_path"]
+__all__ = ["Plans"]
 
 TRIES = 2000  # random states in search of a free one
-
-
-def look_at_path(checker: Checker, path: numpy.ndarray, check: str, step: float) -> tuple[float, int, float, float]:
-    """(least clearance, its edge and t, share of the length in contact) of dense states."""
-    least, edge, place, touching, length = float("inf"), 0, 0.0, 0.0, 0.0
-    for i, (a, b) in enumerate(zip(path[:-1], path[1:])):
-        toward = numpy.where(checker.wraps, numpy.remainder(b - a + numpy.pi, 2 * numpy.pi) - numpy.pi, b - a)
-
-        def at(t, a=a, toward=toward):
-            return a + numpy.asarray(t)[:, None] * toward
-
-        count = int(numpy.ceil(numpy.abs(toward).max() / step)) + 1
-        value, t = least_clearance(checker, at, check, count)
-        far = float(numpy.sqrt(numpy.square(toward).sum()))
-        if value <= 0:
-            touching += far * float((checker.clearance(at(numpy.linspace(0, 1, max(3, 4 * count))), check=check, witnesses=False).upper <= 0).mean())
-        length += far
-        if value < least:
-            least, edge, place = value, i, t
-    return least, edge, place, touching / length if length > 0 else 0.0
 
 
 class Plans(Kind):
@@ -121,52 +100,3 @@ class Plans(Kind):
             out.update(length=length_of(checker, found.path), raw_length=found.raw_length, path=found.path.ravel(), least=least, contact=contact,
                 proved=proved, contradiction=contact and (proved or planner["algorithm"] == "leeway"))
         return out
-
-
-class Audits(Kind):
-    """Somebody's paths: proofs of their edges, and dense looks. A row is a path."""
-    block = 4
-    options = {"files": Option(list, REQUIRED), **CHECKS, "slack": Option(float, 1e-4, 1e-9), "audit_step": Option(float, 0.01, 1e-6)}
-
-    def prepare(self, campaign, element: str, entry: dict[str, Any]) -> dict[str, Any]:
-        if len(entry["robots"]) != 1:
-            raise FleetError(campaign.file, f"{element}.robots", "are not one", "give the robot of these paths")
-        return {"files": files_of(campaign, f"{element}.files", entry["files"])}
-
-    def count(self, entry, extra, worlds, robot) -> int:
-        checker = worlds.checker_of(robot, worlds.problem("", 0)[0])
-        extra["paths"] = [[file, i, path.name] for file in extra["files"]
-            for i, path in enumerate(worlds.paths(file, checker.variables))]
-        return len(extra["paths"])
-
-    def columns(self, part: Part, worlds: Worlds) -> list[Column]:
-        return [Column("scene", "int32", "", "index into the part's scenes"), Column("file", "string", "", "of the path"),
-            Column("path", "string", "", "its name in the file"), Column("states", "int64", "1", "of the path"),
-            Column("length", "double", "rad or m", "Euclidean"), Column("verdict", "uint8", "", "of all edges: 1 FREE, 2 BLOCKED, 3 UNDECIDED"),
-            Column("edge", "int64", "", "the first edge that is not FREE; -1 if there is none"), Column("t", "double", "1", "share of it"),
-            Column("lower", "double", "m", "proved lower bound of all clearances of a FREE path; else 0"),
-            *pair_columns("the deciding pair"), Column("outside", "bool", "", "a state is outside of the joint limits"),
-            Column("least", "double", "m", "least clearance of dense states"), Column("contact_share", "double", "1", "share of the length in contact"),
-            Column("contradiction", "bool", "", "a dense state refutes the verdict")]
-
-    def make(self, part: Part, worlds: Worlds, scene: int, begin: int, end: int) -> Rows:
-        checker, o = worlds.checker(part.robot, *part.scenes[scene]), part.options
-        rows = []
-        for file, index, name in part.extra["paths"][begin:end]:
-            path = worlds.paths(file, checker.variables)[index].positions
-            found = checker.path(path, min_d=o["min_d"], slack=o["slack"], check=o["check"])
-            verdict = worst(found.verdicts)
-            edge = int(numpy.flatnonzero(found.verdicts == verdict)[0]) if verdict != int(Verdict.FREE) else -1
-            least, _, _, share = look_at_path(checker, path, o["check"], o["audit_step"])
-            lower = float(found.lower.min()) if edge < 0 else 0.0
-            outside = (path < checker.lower - 1e-5) | (path > checker.upper + 1e-5)
-            rows.append({"scene": scene, "states": len(path), "length": float(numpy.linalg.norm(numpy.diff(path, axis=0), axis=1).sum()),
-                "verdict": verdict, "edge": edge, "t": float(found.t[max(0, edge)]), "lower": lower, "outside": bool(outside[:, ~checker.wraps].any()),
-                "least": least, "contact_share": share, "contradiction": edge < 0 and (least <= o["min_d"] or least < lower - 1e-9),
-                "pair": found.pairs[max(0, edge)]})
-        files = [entry[0] for entry in part.extra["paths"][begin:end]]
-        names = [entry[2] for entry in part.extra["paths"][begin:end]]
-        values: dict[str, Any] = {name: numpy.array([row[name] for row in rows]) for name in rows[0] if name != "pair"}
-        values.update(file=Words(numpy.arange(len(rows), dtype="<i4"), files), path=Words(numpy.arange(len(rows), dtype="<i4"), names),
-            **named_pairs(checker, numpy.array([row["pair"] for row in rows])))
-        return Rows(values, {})

@@ -12,7 +12,7 @@ import pathlib
 import sys
 import time
 
-from .._core import Checker, Robot, Scene
+from .._core import Checker, Robot, Scene, whole_number
 from .paths import read_group, read_joints, read_states
 from .planners import plan_by_ompl
 
@@ -33,7 +33,7 @@ def _by_ompl(checker: Checker, start, goal, seed: int, seconds: float):
 
 def plan_reaches(folder, out, runs: int = 3, seconds: float = 20.0) -> dict[str, list[int]]:
     """Writes a line for each path: folder has robot.urdf, robot.srdf, scene.yaml and reach/*.yaml. Returns solved and asked runs by planner."""
-    folder = pathlib.Path(folder)
+    folder, runs = pathlib.Path(folder), whole_number("runs", runs, 1)
     robot, scene = Robot(folder / "robot.urdf", folder / "robot.srdf"), Scene(folder / "scene.yaml")
     counts: dict[str, list[int]] = {}
     with open(out, "w") as file:

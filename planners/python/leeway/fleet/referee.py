@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The referee: paths of several planners on the same problems, audited on the real meshes, as one page.
 
-    bench_planning --row leeway --row "own states" --row VAMP --module vamp.so --paths paths.jsonl
+    leeway-bench planning --row leeway --row "own states" --row VAMP --module vamp.so --paths paths.jsonl
     python -m leeway.fleet referee paths.jsonl --data ../shared/data --out referee
 
 Each line of the file is a path with its problem, planner, times and joints. The audit proves or refutes its edges by a checker and looks at
@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import base64
 import html
-import json
 import pathlib
 import subprocess
 import sys
@@ -21,25 +20,21 @@ import numpy
 import pandas
 
 from .._core import Checker, Robot, Scene, Verdict
-from .errors import FleetError
-from .files import read_regular
+from .campaign import REQUIRED, Option, checked
+from .cases import Case, Cases, same_name
+from .documents import ONCE, parse_json, read_text, regular
+from .errors import FleetError, named
+from .files import MOST_BYTES
+from .looks import look_at_path
 from .paths import read_states
-from .plans import look_at_path
 
-__all__ = ["Case", "Refereed", "case_of", "judge", "referee"]
+__all__ = ["Refereed", "judge", "referee"]
 
 STEP = 0.01  # radians or metres of a joint between dense states
 WORST = 3  # pictures
-
-
-class Case(NamedTuple):
-    """Files of a problem."""
-    robot: str
-    set: str
-    urdf: pathlib.Path
-    srdf: pathlib.Path
-    scene: pathlib.Path
-    request: pathlib.Path
+SOURCE = "give the file of leeway-bench planning --paths"
+LINE = {"problem": Option(str, REQUIRED), "way": Option(str, REQUIRED), "run": Option(int, REQUIRED), "plan_us": Option(float, REQUIRED, 0),
+    "simplify_us": Option(float, 0.0, 0), "in_contact": Option(bool, None), "path": Option(list, REQUIRED, of=list), "joints": Option(list, REQUIRED)}
 
 
 class Refereed(NamedTuple):
@@ -56,49 +51,40 @@ class Refereed(NamedTuple):
         return f"{self.table.to_string(index=False)}\n\n{len(self.paths)} paths, {self.contradictions} contradictions; page {self.page}"
 
 
-def case_of(problem: str, data: pathlib.Path) -> Case:
-    """"panda panda_arm/box_panda/1" of MotionBenchMaker's problems, "armar3 planner/06" of ARMAR-III's reaches, or "kitchen 04_table" of
-    leeway.fleet.reaches."""
-    robot, _, rest = problem.partition(" ")
-    parts = rest.split("/")
-    if robot == "armar3" and len(parts) == 2:
-        folder = data / "armar3"
-        return Case(robot, "reaches", folder / "armar3.urdf", folder / "armar3.srdf", data / "kit_kitchen" / "scene_cluttered.yaml",
-            folder / "reach" / f"{parts[1]}.yaml")
-    if len(parts) == 1 and (data / "reach" / f"{rest}.yaml").exists():
-        return Case(robot, "reaches", data / "robot.urdf", data / "robot.srdf", data / "scene.yaml", data / "reach" / f"{rest}.yaml")
-    if len(parts) == 3:
-        folder = data / "mbm" / robot
-        place = folder / "problems" / parts[1]
-        number = f"{int(parts[2]):04d}.yaml"
-        return Case(robot, parts[1], folder / f"{robot}.urdf", folder / f"{robot}.srdf", place / f"scene{number}", place / f"request{number}")
-    raise FleetError(data, problem, "is no problem that the referee knows", "give lines of bench_planning --paths without --zoo")
-
-
 def _group_of(robot: Robot, joints: list[str], problem: str) -> str:
     for name, members in robot.groups.items():
         if sorted(members) == sorted(joints):
             return name
+    if sorted(joints) == sorted(robot.variables):
+        return ""
     raise FleetError(problem, "joints", f"are those of no group: {', '.join(joints)}", "give the robot's SRDF")
 
 
 class _Court:
     """Robots and checkers of the problem that is judged."""
 
-    def __init__(self, data: pathlib.Path):
-        self.data, self.robots, self.last = data, {}, ("", None)
+    def __init__(self, cases: Cases):
+        self.cases, self.robots, self.last = cases, {}, (None, None)
 
-    def checker(self, problem: str, joints: list[str]) -> Checker:
-        if self.last[0] != problem:
-            case = case_of(problem, self.data)
-            if case.robot not in self.robots:
-                self.robots[case.robot] = Robot(case.urdf, case.srdf, packages=[str(self.data)])
-            robot = self.robots[case.robot]
-            start = read_states(case.request)
-            reference = {name: value for name, value in start.items() if name in robot.variables}
-            group = _group_of(robot, joints, problem)
-            self.last = (problem, Checker(robot, Scene(case.scene, packages=[str(self.data)]), group=group, reference=reference))
+    def checker(self, file: pathlib.Path, line: dict[str, Any]) -> Checker:
+        """For the joints of a line."""
+        key = (line["problem"], tuple(line["joints"]))
+        if self.last[0] != key:
+            case, packages = self.cases.case(line["problem"]), [str(self.cases.data)]
+            files = (case.urdf, case.srdf)
+            with named(file, f"{line['place']}, {line['problem']}"):
+                if files not in self.robots:
+                    self.robots[files] = Robot(regular(case.urdf), regular(case.srdf) if case.srdf else "", packages=packages)
+                robot = self.robots[files]
+                reference = {name: value for name, value in start_of(case).items() if name in robot.variables}
+                scene = Scene(regular(case.scene), packages=packages) if case.scene else Scene()
+                self.last = (key, Checker(robot, scene, group=_group_of(robot, line["joints"], line["problem"]), reference=reference or None))
         return self.last[1]
+
+
+def start_of(case: Case) -> dict[str, float]:
+    """The start state of a problem by joint."""
+    return read_states(case.request) if case.request else {}
 
 
 def _toward(checker: Checker, a: numpy.ndarray, b: numpy.ndarray) -> numpy.ndarray:
@@ -124,24 +110,49 @@ def _worst_state(checker: Checker, path: numpy.ndarray, found: dict[str, Any]) -
 
 
 def _lines(file: pathlib.Path) -> list[dict[str, Any]]:
+    """The lines, each checked. Two of one path are an error: it would count twice."""
+    lines: list[dict[str, Any]] = []
+    places: dict[tuple, int] = {}
+    for k, text in enumerate(read_text(file, MOST_BYTES, SOURCE).splitlines(), 1):
+        if not text.strip():
+            continue
+        try:
+            line = parse_json(text)
+        except ValueError as error:
+            raise FleetError(file, f"line {k}", f"is no JSON: {error}", SOURCE) from None
+        if not isinstance(line, dict):
+            raise FleetError(file, f"line {k}", "is no table", SOURCE)
+        line = checked(file, f"line {k}", {name: value for name, value in line.items() if name in LINE and value is not None}, LINE)
+        key = (same_name(line["problem"]), line["way"], line["run"])
+        if key in places:
+            raise FleetError(file, f"line {places[key]} and line {k}", f"are both run {line['run']} of {line['way']} on {line['problem']!r}", ONCE)
+        places[key] = k
+        lines.append({**line, "place": f"line {k}"})
+    if not lines:
+        raise FleetError(file, "", "has no paths", SOURCE)
+    return lines
+
+
+def _path_of(file: pathlib.Path, line: dict[str, Any], variables: list[str]) -> numpy.ndarray:
+    """float64 [n, dof] in the order of the variables."""
     try:
-        return [json.loads(line) for line in read_regular(file).decode().splitlines() if line.strip()]
-    except OSError as error:
-        raise FleetError(file, "", error.strerror or str(error), "give the file of bench_planning --paths") from None
-    except ValueError as error:
-        raise FleetError(file, "", f"is no JSON a line: {error}", "give the file of bench_planning --paths") from None
+        path = numpy.array(line["path"], float)
+    except (ValueError, TypeError, OverflowError) as error:
+        raise FleetError(file, line["place"], f"path is no table of numbers: {error}", SOURCE) from None
+    if path.ndim != 2 or path.shape[1] != len(line["joints"]) or len(path) < 2 or not numpy.isfinite(path).all():
+        raise FleetError(file, line["place"], f"path has the shape {path.shape}, or a number that is not finite", f"give 2 rows or more of {len(line['joints'])} finite numbers")
+    return path[:, [line["joints"].index(name) for name in variables]]
 
 
-def _judge_all(file: pathlib.Path, data: pathlib.Path) -> pandas.DataFrame:
-    court, rows = _Court(data), []
+def _judge_all(file: pathlib.Path, cases: Cases) -> pandas.DataFrame:
+    court, rows = _Court(cases), []
     for line in sorted(_lines(file), key=lambda line: line["problem"]):
-        case = case_of(line["problem"], data)
-        checker = court.checker(line["problem"], line["joints"])
-        order = [line["joints"].index(name) for name in checker.variables]
-        path = numpy.array(line["path"], float)[:, order]
+        case = cases.case(line["problem"])
+        checker = court.checker(file, line)
+        path = _path_of(file, line, checker.variables)
         found = judge(checker, path)
         rows.append({"robot": case.robot, "set": case.set, "planner": line["way"], "problem": line["problem"], "run": line["run"],
-            "ms": 1e-3 * (line["plan_us"] + line["simplify_us"]), "other_auditor": line.get("in_contact"), **found, "path": path.tolist(),
+            "ms": 1e-3 * (line["plan_us"] + line["simplify_us"]), "other_auditor": line["in_contact"], **found, "path": path.tolist(),
             "joints": checker.variables, "group": checker.group, "worst": _worst_state(checker, path, found)})
     return pandas.DataFrame(rows)
 
@@ -165,11 +176,12 @@ def _bars(table: pandas.DataFrame) -> str:
     width = 0.8 / max(1, len(whole.columns))
     for k, planner in enumerate(whole.columns):
         at = numpy.arange(len(whole)) + (k - (len(whole.columns) - 1) / 2) * width
-        bars = axes.bar(at, whole[planner].fillna(0), width * 0.95, label=planner)
+        bars = axes.bar(at, whole[planner].fillna(0), width * 0.95, label=f" {planner}")  # a label that begins with _ is none
         axes.bar_label(bars, [f"{v:.0f}" if v == v else "" for v in whole[planner]], fontsize=8)
-    axes.set_xticks(range(len(whole)), whole.index)
+    axes.set_xticks(range(len(whole)), whole.index, parse_math=False)
     axes.set(ylabel="paths in contact, %")
-    axes.legend(fontsize=8)
+    for text in axes.legend(fontsize=8).get_texts():
+        text.set_parse_math(False)
     out = io.BytesIO()
     figure.savefig(out, format="png")
     return f'<img alt="share of paths in contact" src="data:image/png;base64,{base64.b64encode(out.getvalue()).decode()}">'
@@ -190,7 +202,8 @@ def _view(program: str, case: Case, data: pathlib.Path, group: str, motion: list
     """Calls `leeway view`. Returns the reason if it fails."""
     if not program:
         return "--program names no leeway"
-    call = [program, "view", "--robot", case.urdf, "--srdf", case.srdf, "--scene", case.scene, "--group", group, "--package-path", data, *motion,
+    files = [word for option, file in (("--srdf", case.srdf), ("--scene", case.scene)) if file for word in (option, file)]
+    call = [program, "view", "--robot", case.urdf, *files, *(["--group", group] if group else []), "--package-path", data, *motion,
         "--out", page, *(["--png", picture] if picture else [])]
     try:
         done = subprocess.run([str(part) for part in call], capture_output=True, text=True)
@@ -199,13 +212,13 @@ def _view(program: str, case: Case, data: pathlib.Path, group: str, motion: list
     return "" if done.returncode == 0 else (done.stderr.strip().splitlines() or ["no message"])[-1]
 
 
-def _pictures(paths: pandas.DataFrame, data: pathlib.Path, out: pathlib.Path, program: str) -> str:
+def _pictures(paths: pandas.DataFrame, cases: Cases, out: pathlib.Path, program: str) -> str:
     """The worst cases: files, a page of `leeway view` each, and a picture of the worst state."""
     touching = paths[paths["contact"]].sort_values("share", ascending=False, kind="stable").drop_duplicates(["robot", "planner"]).head(WORST)
     text = []
     for k, row in enumerate(touching.itertuples()):
-        case, name = case_of(row.problem, data), out / f"worst_{k + 1}"
-        path, table = _files_of(row, read_states(case.request), name)
+        case, data, name = cases.case(row.problem), cases.data, out / f"worst_{k + 1}"
+        path, table = _files_of(row, start_of(case), name)
         picture = name.with_suffix(".png")
         reason = _view(program, case, data, row.group, ["--path", path], name.with_suffix(".html"), None)
         reason = reason or _view(program, case, data, row.group, ["--states", table], out / f"worst_{k + 1}_state.html", picture)
@@ -222,22 +235,22 @@ STYLE = "body{font:15px sans-serif;margin:2em auto;max-width:62em}table{border-c
 
 
 def referee(file, data, out, program: str = "") -> Refereed:
-    """Audits the paths of bench_planning --paths. data: the folder of robots and scenes. program: `leeway`, for pictures. Writes paths.csv, table.csv
+    """Audits the paths of leeway-bench planning --paths. data: the folder of robots and scenes. program: `leeway`, for pictures. Writes paths.csv, table.csv
     and index.html into `out`."""
-    file, data, out = pathlib.Path(file), pathlib.Path(data).resolve(), pathlib.Path(out)
+    file, out, cases = pathlib.Path(file), pathlib.Path(out), Cases(pathlib.Path(data).resolve())
+    paths = _judge_all(file, cases)
     out.mkdir(parents=True, exist_ok=True)
-    paths = _judge_all(file, data)
     table = _table(paths)
     paths.drop(columns=["path", "joints", "worst"]).to_csv(out / "paths.csv", index=False)
     table.to_csv(out / "table.csv", index=False)
     other = paths[paths["other_auditor"].notna()]
     agree = int((other["other_auditor"].astype(bool) == other["contact"]).sum())
-    second = f"bench_planning's own auditor, which shares nothing with the checker, says the same of {agree} of {len(other)}. " if len(other) else ""
+    second = f"leeway-bench's own auditor, which shares nothing with the checker, says the same of {agree} of {len(other)}. " if len(other) else ""
     page = out / "index.html"
     page.write_text("\n".join([f"<!doctype html><meta charset=utf-8><title>Referee</title><style>{STYLE}</style><h1>Paths on the real meshes</h1>",
         f"<p>{len(paths)} paths on {paths['problem'].nunique()} problems. In contact: an edge is refuted by a state, or dense states "
         f"({STEP} rad or m of a joint apart, finer where it is narrow) touch something. {second}{int(paths['contradiction'].sum())} paths are proved free and touch something.</p>",
-        _bars(table), table[table["set"] == "all"].drop(columns="set").to_html(index=False), "<h2>Worst cases</h2>", _pictures(paths, data, out, program),
+        _bars(table), table[table["set"] == "all"].drop(columns="set").to_html(index=False), "<h2>Worst cases</h2>", _pictures(paths, cases, out, program),
         "<h2>By set</h2>", table[table["set"] != "all"].to_html(index=False)]), encoding="utf-8")
     return Refereed(page, paths, table)
 
@@ -245,7 +258,7 @@ def referee(file, data, out, program: str = "") -> Refereed:
 def main(arguments: list[str]) -> int:
     import argparse
     parser = argparse.ArgumentParser(prog="python -m leeway.fleet referee", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("paths", help="file of bench_planning --paths")
+    parser.add_argument("paths", help="file of leeway-bench planning --paths")
     parser.add_argument("--data", required=True, help="folder of robots and scenes")
     parser.add_argument("--out", default="referee", help="folder of the page")
     parser.add_argument("--program", default="", help="leeway, for pictures of the worst cases")

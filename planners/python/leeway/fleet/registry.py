@@ -2,8 +2,9 @@
 """The kinds of work by name."""
 from __future__ import annotations
 
+from .audits import Audits
 from .kinds import Edges, Kind, States
-from .plans import Audits, Plans
+from .plans import Plans
 from .spheres import Spheres
 from .trajectories import Trajectories
 

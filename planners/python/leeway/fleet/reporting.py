@@ -5,27 +5,29 @@ from __future__ import annotations
 import base64
 import html
 import io
-import json
 import pathlib
 from typing import Any, NamedTuple
 
 import numpy
 import pandas
 import pyarrow
-import pyarrow.parquet
 
 from .._core import Verdict
+from .documents import parse_json
 from .errors import FleetError
 from .files import open_regular, read_regular
 from .manifest import content_digest, read_manifest, sound_records
 from .plan import Part, parts_of, rows_in, shards_of
 from .registry import KINDS
 from .shard import times_of, write_atomically
+from .tables import read_rows
 
 __all__ = ["Report", "frame_of", "report"]
 
 AGAIN = "move the file away and run the campaign again"
 MOST_ROWS = 2_000_000  # that a plot looks at
+TOLD = 5  # missing shards by name
+MOST_FIGURE = 1e15  # of runs: seconds, rows
 NAMES = {int(v): v.name for v in (Verdict.FREE, Verdict.BLOCKED, Verdict.UNDECIDED)}
 
 
@@ -33,7 +35,7 @@ class Report(NamedTuple):
     page: pathlib.Path
     tables: dict[str, pandas.DataFrame]  #: part to its figures
     contradictions: int  #: rows of all parts that a dense look refutes
-    missing: int  #: shards that were not made yet
+    missing: list[str]  #: files that were not made yet
     faults: dict[str, str]  #: file to fault: its rows are left out
 
     def __repr__(self) -> str:
@@ -42,7 +44,9 @@ class Report(NamedTuple):
 
     def holes(self) -> list[str]:
         """Lines on rows that the figures lack."""
-        missing = [f"{self.missing} shards are missing"] if self.missing else []
+        missing = [f"{name}: is missing" for name in self.missing[:TOLD]]
+        if len(self.missing) > TOLD:
+            missing.append(f"and {len(self.missing) - TOLD} other shards are missing")
         return missing + [f"{name}: {fault}; its rows are left out" for name, fault in self.faults.items()]
 
 
@@ -51,7 +55,7 @@ def frame_of(folder, part: Part, columns: list[str] | None = None, times: bool =
     recorded one, or no table of this part."""
     plan, records = read_manifest(folder)
     shards = shards_of(plan)
-    sound, faults = sound_records(pathlib.Path(folder), {i: record for i, record in records.items() if shards[i].part.index == part.index})
+    sound, faults = sound_records(pathlib.Path(folder), plan, {i: record for i, record in records.items() if shards[i].part.index == part.index})
     for name, fault in faults.items():
         raise FleetError(pathlib.Path(folder) / name, "", fault, "run the campaign again: it makes the file again")
     return _frame(pathlib.Path(folder), plan, part, set(sound), columns, times, most)
@@ -66,11 +70,9 @@ def _frame(folder: pathlib.Path, plan: dict[str, Any], part: Part, whole: set[in
         path = times_of(folder / shard.name) if times else folder / shard.name
         try:
             with open_regular(path) as file:
-                frame = pyarrow.parquet.read_table(file, columns=columns).to_pandas()
-        except (OSError, ValueError, KeyError, pyarrow.ArrowException) as error:
+                frame = read_rows(file, rows_in(shard), columns).to_pandas()
+        except (OSError, ValueError, KeyError, MemoryError, OverflowError, pyarrow.ArrowException) as error:
             raise FleetError(path, "", f"is no table of this campaign: {str(error).splitlines()[0] if str(error) else type(error).__name__}", AGAIN) from None
-        if len(frame) != rows_in(shard):
-            raise FleetError(path, "", f"has {len(frame)} rows, and the shard has {rows_in(shard)}", AGAIN)
         frames.append(frame)
         count += rows_in(shard)
     return pandas.concat(frames, ignore_index=True) if frames else pandas.DataFrame()
@@ -81,7 +83,11 @@ def _scene_names(part: Part) -> list[str]:
 
 
 def _by_scene(part: Part, frame: pandas.DataFrame) -> pandas.DataFrame:
+    if part.options.get("table"):  # rows have names of scenes
+        return frame.assign(scenes=[name or "no obstacles" for name in frame["scene"].astype(str)])
     names = numpy.array(_scene_names(part), object)
+    if not frame["scene"].between(0, len(names) - 1).all():
+        raise ValueError(f"a scene is none of {len(names)}")
     return frame.assign(scenes=[name or "no obstacles" for name in names[frame["scene"]]])
 
 
@@ -93,6 +99,8 @@ def _states(part: Part, frame: pandas.DataFrame) -> pandas.DataFrame:
 
 def _verdicts(part: Part, frame: pandas.DataFrame) -> pandas.DataFrame:
     frame = _by_scene(part, frame)
+    if not frame["verdict"].isin(NAMES).all():
+        raise ValueError("a verdict is none")
     out = frame.groupby(["scenes", frame["verdict"].map(NAMES)]).size().unstack(fill_value=0)
     for name in ("audited", "contradiction"):
         if name in frame:
@@ -150,17 +158,21 @@ def _part(folder: pathlib.Path, plan: dict[str, Any], part: Part, whole: set[int
         return TABLES[part.kind](part, frame), _plot(part, frame), contradictions
     except FleetError:
         raise
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:  # columns of another schema
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError, MemoryError, pyarrow.ArrowException) as error:  # of another schema
         raise FleetError(folder, f"part {part.index:02d} {part.kind}, {part.robot}", f"its files are no tables of this campaign: {error}", AGAIN) from None
+
+
+def _is_figure(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and 0 <= value < MOST_FIGURE
 
 
 def _runs(folder: pathlib.Path) -> str:
     try:
-        lines = [json.loads(line) for line in read_regular(folder / "runs.jsonl").decode().splitlines()]
+        lines = [parse_json(line) for line in read_regular(folder / "runs.jsonl").decode().splitlines()]
     except (OSError, ValueError):
         return ""
     fields = {"workers", "shards", "rows", "seconds", "processor_seconds"}
-    lines = [r for r in lines if isinstance(r, dict) and all(isinstance(r.get(name), (int, float)) for name in fields)]
+    lines = [r for r in lines if isinstance(r, dict) and all(_is_figure(r.get(name)) for name in fields)]
     rows = [{"workers": r["workers"], "shards": r["shards"], "rows": r["rows"], "seconds": round(r["seconds"], 1),
         "rows_a_second": round(r["rows"] / max(r["seconds"], 1e-9)), "processor_us_a_row": round(1e6 * r["processor_seconds"] / max(r["rows"], 1), 2)} for r in lines]
     return "<h2>Runs</h2>" + pandas.DataFrame(rows).to_html(index=False)
@@ -174,9 +186,10 @@ def report(folder, page=None) -> Report:
     contradictions are counted in all. Files that are not the recorded ones are named and left out."""
     folder = pathlib.Path(folder)
     plan, records = read_manifest(folder)
-    sound, faults = sound_records(folder, records)
+    sound, faults = sound_records(folder, plan, records)
     tables, contradictions = {}, 0
-    total = len(shards_of(plan))
+    missing = [shard.name for shard in shards_of(plan) if shard.index not in records]
+    total = len(records) + len(missing)
     text: list[Any] = [f"<!doctype html><meta charset=utf-8><title>{html.escape(plan['campaign']['name'])}</title><style>{STYLE}</style>",
         f"<h1>{html.escape(plan['campaign']['name'])}</h1><p>leeway {plan['leeway']}, seed {plan['campaign']['seed']}; {len(records)} of {total} shards, "
         f"{sum(r['rows'] for r in records.values())} rows; content <code>{content_digest(records)}</code></p>"]
@@ -188,7 +201,7 @@ def report(folder, page=None) -> Report:
         text.append(f"<h2>{html.escape(name)}</h2>{table.to_html(index=False, float_format=lambda x: f'{x:.5g}')}{plot}")
     text.append(_runs(folder))
     out = pathlib.Path(page) if page is not None else folder / "report.html"
-    found = Report(out, tables, contradictions, total - len(records), faults)
+    found = Report(out, tables, contradictions, missing, faults)
     text += [f"<p><strong>{html.escape(line)}</strong></p>" for line in found.holes()]
     text.append(f"<p>{contradictions} contradictions.</p>")
     write_atomically(out, "\n".join(text).encode())

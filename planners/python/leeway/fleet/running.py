@@ -2,39 +2,36 @@
 """Runs a campaign: a Dask graph of shards. Whatever dies, a run after it goes on with the shards that are not there."""
 from __future__ import annotations
 
-import asyncio
-import concurrent.futures
 import contextlib
-import itertools
 import json
 import logging
-import math
+import multiprocessing.resource_tracker
 import pathlib
 import shutil
+import signal
 import sys
 import time
 from typing import Any, Iterator, NamedTuple
 
+from .._core import whole_number
+from .dispatch import CampaignEnd, Dispatch
 from .errors import DiskError, FleetError
 from .estimate import Estimate, estimate
 from .files import append_line
 from .manifest import content_digest, locked, read_manifest, sound_records, start_manifest, write_manifest
 from .plan import rows_in, shards_of, worlds_of
-from .shard import make_shard, make_shard_aside, start
+from .shard import make_shard, start
 from .worlds import Worlds
 
 __all__ = ["Summary", "run", "status"]
 
 MANIFEST_SECONDS = 2.0  # between two manifests while shards come in, at least
 MANIFEST_SHARE = 0.02  # of the time that writing manifests may take
-WINDOW = 8  # shards per worker that wait at the scheduler
-LEAST_WINDOW = 512  # shards that wait in any case: workers may join
-WORKERS_SECONDS = 5.0  # between two counts of the workers
 TOLD = 5  # failures
+MOST_WORKERS = 4096  # processes of this machine
 CONNECT_SECONDS = 20
-DEATHS = 10  # workers that a shard may take with it before it counts as failed
 KEPT = 1 << 30  # bytes of free memory that workers keep: without it the pages of each shard's arrays are fetched again
-DASK = {"distributed.scheduler.allowed-failures": DEATHS, "distributed.logging.distributed": "critical", "distributed.worker.daemon": True,
+DASK = {"distributed.logging.distributed": "critical", "distributed.worker.daemon": True,
     "distributed.admin.tick.limit": "1h", "distributed.admin.tick.interval": "1s", "distributed.admin.system-monitor.interval": "2s",
     "distributed.worker.memory.monitor-interval": "1s", "distributed.worker.profile.enabled": False,  # with their defaults 4 % of a core
     "distributed.nanny.pre-spawn-environ": {"MALLOC_TRIM_THRESHOLD_": KEPT, "MALLOC_MMAP_THRESHOLD_": KEPT, "OMP_NUM_THREADS": 1,
@@ -52,10 +49,13 @@ class Summary(NamedTuple):
     processor_seconds: float
     content: str  #: digest of all rows that are there
     failures: list[str]
+    aside: list[str] = []  #: lines on workers that were set aside
+    faults: dict[str, str] = {}  #: file to fault, of `status`
+    missing: list[str] = []  #: files that are not there, of `status`
 
     @property
     def complete(self) -> bool:
-        return self.done == self.shards
+        return self.done == self.shards and not self.faults
 
     def __repr__(self) -> str:
         state = "complete" if self.complete else f"{self.shards - self.done} shards are missing"
@@ -63,11 +63,10 @@ class Summary(NamedTuple):
             f"{self.processor_seconds:.1f} s of processor time", f"content {self.content}", *self.failures[:TOLD]]
         if len(self.failures) > TOLD:
             lines.append(f"and {len(self.failures) - TOLD} other shards failed")
+        lines += [f"{name}: {fault}" for name, fault in self.faults.items()] + [f"{name}: is missing" for name in self.missing[:TOLD]]
+        if len(self.missing) > TOLD:
+            lines.append(f"and {len(self.missing) - TOLD} other shards are missing")
         return "\n".join(lines)
-
-
-class SchedulerGone(FleetError):
-    """The connection to the scheduler is lost."""
 
 
 class Progress:
@@ -97,6 +96,17 @@ def _clock(seconds: float) -> str:
 
 
 @contextlib.contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Threads that begin here, and the processes that they start, get no SIGINT: Ctrl-C reaches a whole process group, and the client ends its workers."""
+    multiprocessing.resource_tracker.ensure_running()  # it would let signals through again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextlib.contextmanager
 def _client(workers: int, scheduler: str) -> Iterator[Any]:
     """A client of the scheduler at this address, or of a cluster of processes on this machine."""
     import dask
@@ -106,47 +116,15 @@ def _client(workers: int, scheduler: str) -> Iterator[Any]:
             try:
                 client = distributed.Client(scheduler, timeout=CONNECT_SECONDS)
             except (OSError, ValueError, TimeoutError) as error:
-                raise SchedulerGone(scheduler, "", f"cannot be reached: {error or type(error).__name__}", "give --scheduler the address that dask scheduler prints") from None
+                raise CampaignEnd(scheduler, "", f"cannot be reached: {error or type(error).__name__}", "give --scheduler the address that dask scheduler prints") from None
             with client:
                 yield client
             return
-        with distributed.LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0",
-                silence_logs=logging.CRITICAL) as cluster, distributed.Client(cluster) as client:
+        with _without_interrupts():
+            local = distributed.LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0",
+                silence_logs=logging.CRITICAL)
+        with local as cluster, distributed.Client(cluster) as client:
             yield client
-
-
-def _by_dask(client, plan: dict[str, Any], base: pathlib.Path, folder: pathlib.Path, missing: list[int]) -> Iterator[tuple[int, Any]]:
-    """(index, (record, seconds) or an exception) of each shard as it is done. Only a window of shards is known to the scheduler."""
-    import distributed
-    waiting = iter(missing)
-    work = distributed.as_completed()
-    of_key: dict[str, int] = {}
-    window, asked = 0, -math.inf
-
-    def more() -> None:
-        """Fills the window, which grows when workers join."""
-        nonlocal window, asked
-        if time.monotonic() - asked > WORKERS_SECONDS:
-            window = max(LEAST_WINDOW, WINDOW * len(client.scheduler_info(n_workers=-1)["workers"]))
-            asked = time.monotonic()
-        for index in itertools.islice(waiting, window - len(of_key)):
-            future = client.submit(make_shard_aside, plan["id"], str(base), str(folder), index, key=f"shard-{plan['id'][:16]}-{index}", pure=False, retries=0)
-            of_key[future.key] = index
-            work.add(future)
-
-    if not client.scheduler_info()["workers"]:
-        print(f"{client.scheduler.address} has no workers yet; waiting for them", file=sys.stderr)
-    more()
-    for future in work:
-        index = of_key.pop(future.key)
-        try:
-            error = future.exception()
-            yield index, error if error is not None else future.result()
-            future.release()
-            more()
-        except (asyncio.CancelledError, concurrent.futures.CancelledError, OSError) as error:
-            yield index, SchedulerGone(client.scheduler.address if client.scheduler else "scheduler", "", f"the connection is lost: {type(error).__name__}",
-                "start the scheduler again, then the campaign: it goes on where it was")
 
 
 def _here(worlds: Worlds, folder: pathlib.Path, missing: list[int]) -> Iterator[tuple[int, Any]]:
@@ -169,7 +147,7 @@ def _remove(path: pathlib.Path) -> None:
 def _remove_leavings(folder: pathlib.Path) -> None:
     """Half-written files of runs that were killed."""
     for path in folder.glob("**/.*.part"):
-        path.unlink(missing_ok=True)
+        _remove(path)
 
 
 def _note(folder: pathlib.Path, summary: Summary, workers: int, begin: float) -> None:
@@ -194,8 +172,8 @@ def _work(plan, base, folder, records, missing, work, costs: Estimate | None, qu
     try:
         for index, found in work:
             if isinstance(found, BaseException):
-                failures.append(f"{shards[index].name}: {type(found).__name__}: {found}")
-                if isinstance(found, (DiskError, SchedulerGone)):
+                failures.append(str(found) if index is None else f"{shards[index].name}: {type(found).__name__}: {found}")
+                if isinstance(found, (DiskError, CampaignEnd)):
                     break
                 continue
             records[index], seconds = found
@@ -218,8 +196,7 @@ def run(campaign, out=None, *, workers: int = 1, scheduler: str = "", dry_run: b
     Dask cluster; 0 = this process, without Dask. scheduler: address of a Dask scheduler instead, whose workers see both folders under the
     same paths. trust: files that are recorded are not read again first.
     """
-    if workers < 0:
-        raise FleetError("run", "workers", f"is {workers}", "give a number of processes; 0 works in this one")
+    workers = whole_number("workers", workers, 0, MOST_WORKERS)  # 0: this process
     worlds = worlds_of(campaign)
     plan, base = worlds.plan, worlds.folder
     folder = pathlib.Path(out) if out is not None else base / (pathlib.Path(campaign).stem + ".fleet")
@@ -229,7 +206,7 @@ def run(campaign, out=None, *, workers: int = 1, scheduler: str = "", dry_run: b
     with locked(folder):
         records = start_manifest(folder, plan)
         if not trust:
-            records, faults = sound_records(folder, records)
+            records, faults = sound_records(folder, plan, records)
             for name, fault in faults.items():
                 print(f"{folder / name}: {fault}; it is made again", file=sys.stderr)
                 _remove(folder / name)
@@ -238,6 +215,7 @@ def run(campaign, out=None, *, workers: int = 1, scheduler: str = "", dry_run: b
         missing = [i for i in range(count) if i not in records]
         begin, clock = time.time(), time.monotonic()
         result: tuple = (0, 0, 0.0, [])
+        aside: list[str] = []
         if missing:
             costs = None if quiet else estimate(plan, worlds, folder, missing)
             if costs is not None:
@@ -248,15 +226,20 @@ def run(campaign, out=None, *, workers: int = 1, scheduler: str = "", dry_run: b
                 clock = time.monotonic()
                 if client is not None and not quiet:
                     print(f"dashboard {client.dashboard_link}", file=sys.stderr)
-                work = _here(worlds, folder, missing) if client is None else _by_dask(client, plan, base, folder, missing)
+                work = _here(worlds, folder, missing) if client is None else Dispatch(client, plan, base, folder, missing)
+                aside = getattr(work, "aside", aside)
                 result = _work(plan, base, folder, records, missing, work, costs, quiet)
         made, rows, processor, failures = result
-        summary = Summary(folder, count, len(records), made, rows, time.monotonic() - clock, processor, content_digest(records), failures)
+        summary = Summary(folder, count, len(records), made, rows, time.monotonic() - clock, processor, content_digest(records), failures, aside)
         _note(folder, summary, workers, begin)
     return summary
 
 
-def status(folder) -> Summary:
-    """The shards that are there, by the manifest."""
+def status(folder, trust: bool = False) -> Summary:
+    """The shards that are there: files with the recorded bytes. trust: by the manifest alone, the files are not read."""
+    folder = pathlib.Path(folder)
     plan, records = read_manifest(folder)
-    return Summary(pathlib.Path(folder), len(shards_of(plan)), len(records), 0, 0, 0.0, 0.0, content_digest(records), [])
+    shards = shards_of(plan)
+    sound, faults = (records, {}) if trust else sound_records(folder, plan, records)
+    missing = [shard.name for shard in shards if shard.index not in records]
+    return Summary(folder, len(shards), len(sound), 0, 0, 0.0, 0.0, content_digest(records), [], [], faults, missing)

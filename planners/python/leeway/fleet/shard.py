@@ -6,7 +6,6 @@ import atexit
 import contextlib
 import hashlib
 import io
-import json
 import os
 import pathlib
 import platform
@@ -14,16 +13,18 @@ import threading
 import time
 from typing import Any, Callable
 
-import pyarrow.parquet
+import pyarrow
 
+from .documents import parse_json
 from .errors import DiskError, FleetError
-from .files import is_inside, read_regular
+from .files import is_inside, open_regular, read_regular
+from .maker import maker
 from .plan import Shard, blocks_of, check_plan, rows_in, segments_of, shards_of
 from .registry import KINDS
-from .tables import columns_of, concatenate, content_of, file_of, table_of
+from .tables import Column, columns_of, concatenate, content_of, file_of, read_rows, table_of, type_name
 from .worlds import Worlds
 
-__all__ = ["adopt", "make_rows", "make_shard", "make_shard_aside", "shard_bytes", "start", "times_of", "write_atomically"]
+__all__ = ["MOST_WRITES", "adopt", "content_of_file", "make_rows", "make_shard", "make_shard_aside", "shard_bytes", "start", "times_of", "worlds_here", "write_atomically"]
 
 MOST_WRITES = 2  # shards of a process that are encoded and written at a time; the next one's rows wait
 
@@ -69,7 +70,7 @@ def _content(shard: Shard, columns, values) -> str:
 
 def _metadata(plan: dict[str, Any], shard: Shard, content: str) -> dict[str, Any]:
     used = [segment.scene for segment in segments_of(shard.part, shard.begin, shard.end)]
-    return {"format": plan["format"], "leeway": plan["leeway"], "manifest": plan["id"], "campaign": plan["campaign"]["name"],
+    return {"format": plan["format"], **maker(), "manifest": plan["id"], "campaign": plan["campaign"]["name"],
         "seed": plan["campaign"]["seed"], "part": shard.part.index, "kind": shard.part.kind, "robot": shard.part.robot,
         "first_scene": used[0], "scenes": shard.part.scenes[used[0]:used[-1] + 1], "options": shard.part.options,
         "blocks": [shard.begin, shard.end], "shard": shard.index, "content": content}
@@ -90,7 +91,7 @@ def shard_bytes(plan: dict[str, Any], worlds: Worlds, shard: Shard, computed: Ca
 
 def _record(shard: Shard, data, content: str) -> dict[str, Any]:
     return {"index": shard.index, "file": shard.name, "rows": rows_in(shard), "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest(),
-        "content": content}
+        "content": content, **maker()}
 
 
 def adopt(plan: dict[str, Any], worlds: Worlds, folder: pathlib.Path, shard: Shard):
@@ -98,15 +99,23 @@ def adopt(plan: dict[str, Any], worlds: Worlds, folder: pathlib.Path, shard: Sha
     path = folder / shard.name
     try:
         data = read_regular(path)
-        table = pyarrow.parquet.read_table(io.BytesIO(data))
-        metadata = json.loads((table.schema.metadata or {})[b"leeway"])
+        table = read_rows(io.BytesIO(data), rows_in(shard))
+        metadata = parse_json((table.schema.metadata or {})[b"leeway"].decode())
         columns = KINDS[shard.part.kind].columns(shard.part, worlds)
         values = columns_of(columns, table)
         content = _content(shard, columns, values)
-    except (OSError, KeyError, ValueError, IndexError, pyarrow.ArrowException):
+    except (OSError, KeyError, TypeError, ValueError, IndexError, AttributeError, MemoryError, OverflowError, pyarrow.ArrowException):
         return None
     expected = _metadata(plan, shard, content)
     return _record(shard, data, content) if metadata == expected and file_of(table_of(columns, values, expected)) == data else None
+
+
+def content_of_file(path: pathlib.Path, shard: Shard) -> str:
+    """The digest of the rows that a file of this shard holds. Raises as tables.read_rows()."""
+    with open_regular(path) as file:
+        table = read_rows(file, rows_in(shard))
+    columns = [Column(field.name, type_name(field.type), "", "") for field in table.schema]
+    return _content(shard, columns, columns_of(columns, table))
 
 
 _STARTED: dict[str, tuple[Worlds, list[Shard]]] = {}  # of the one plan that this process works on
@@ -131,16 +140,22 @@ def _spent() -> float:
     return now - before
 
 
+def worlds_here(identity: str, base: str, folder: pathlib.Path) -> Worlds:
+    """The worlds of the plan in the folder's manifest, once in each process. identity: of the plan."""
+    return _started(identity, base, folder)[0]
+
+
 def _started(identity: str, base: str, folder: pathlib.Path) -> tuple[Worlds, list[Shard]]:
-    """The worlds and shards of a plan, once in each process."""
     with _STARTING:
         if identity not in _STARTED:
             path = folder / "manifest.json"
             try:
-                plan = json.loads(read_regular(path).decode())["plan"]
+                plan = parse_json(read_regular(path).decode())["plan"]
             except OSError as error:
                 raise FleetError(path, "", f"{error.strerror or error}, for a worker on {platform.node()}",
                     "give an --out folder and a campaign that all workers see under the same paths") from None
+            except (ValueError, KeyError, TypeError) as error:
+                raise FleetError(path, "", f"is no manifest of a campaign: {error}", "start the campaign again") from None
             check_plan(path, plan)
             if plan["id"] != identity:
                 raise FleetError(path, "", "is of another campaign", "let one run at a time work in this folder")

@@ -2,13 +2,13 @@
 """Kind of work on spherised models: do their spheres contain the robot's links, and by how much do they not?"""
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import numpy
 
 from .._core import Robot, check_spheres
 from .campaign import Option
+from .documents import read_documents, regular
 from .errors import FleetError
 from .kinds import Kind, Part, Rows
 from .tables import Column, Words
@@ -44,21 +44,14 @@ def _of_table(value: Any, file) -> dict[str, numpy.ndarray]:
         raise FleetError(file, "", f"is no table of spheres: {error!r}", "give {link: [[x, y, z, radius], ...]}") from None
 
 
-def _parsed(file, parse) -> Any:
-    try:
-        return parse(file.read_text())
-    except Exception as error:  # yaml's are no ValueErrors
-        raise FleetError(file, "", f"cannot be read: {error}".replace("\n", " "), "give a spherised URDF, cuRobo's YAML, or JSON") from None
-
-
 def read_spheres(file) -> dict[str, numpy.ndarray]:
     """float64 [n, 4] by link, in its frame: of a URDF, of cuRobo's YAML, or of JSON {link: [[x, y, z, radius], ...]}."""
-    if file.suffix == ".json":
-        return _of_table(_parsed(file, json.loads), file)
-    if file.suffix in (".yaml", ".yml"):
-        import yaml
-        return _of_table(_parsed(file, yaml.safe_load), file)
-    return _of_urdf(Robot(file), file)
+    if file.suffix in (".json", ".yaml", ".yml"):
+        found = read_documents(file)
+        if len(found) != 1:
+            raise FleetError(file, "", f"holds {len(found)} documents", "give one table of spheres")
+        return _of_table(found[0], file)
+    return _of_urdf(Robot(regular(file)), file)
 
 
 class Spheres(Kind):

@@ -14,9 +14,11 @@ import numpy
 import pyarrow
 import pyarrow.parquet
 
-__all__ = ["Column", "Words", "add_digests", "block_digest", "concatenate", "columns_of", "content_of", "file_of", "table_of"]
+__all__ = ["Column", "Words", "add_digests", "block_digest", "concatenate", "columns_of", "content_of", "file_of", "read_rows", "table_of", "type_name"]
 
 MODULUS = 1 << 256
+MOST_BYTES, MOST_ROW = 1 << 26, 1 << 16  # of a shard, unpacked: so many, and so many for each row
+MOST_TEXT = 1 << 16  # characters of a name
 
 
 class Column(NamedTuple):
@@ -140,6 +142,46 @@ def file_of(table: pyarrow.Table) -> pyarrow.Buffer:
     pyarrow.parquet.write_table(table, out, version="2.6", data_page_version="1.0", compression="zstd", compression_level=1,
         use_dictionary=words, write_statistics=True, row_group_size=1 << 18, use_deprecated_int96_timestamps=False)
     return out.getvalue()
+
+
+def type_name(type_of: pyarrow.DataType) -> str:
+    """Column.type of a column that table_of() made."""
+    return next(name for name, known in TYPES.items() if known == type_of)
+
+
+def read_rows(file, rows: int, columns: list[str] | None = None) -> pyarrow.Table:
+    """The table of a file that file_of() wrote, with this many rows. Raises ValueError, KeyError, OSError or ArrowException for another one, before
+    its pages are unpacked: a few bytes can promise any number of values."""
+    opened = pyarrow.parquet.ParquetFile(file)
+    about = opened.metadata
+    if about.num_rows != rows:
+        raise ValueError(f"has {about.num_rows} rows, and the shard has {rows}")
+    names = [field.name for field in opened.schema_arrow]
+    if len(set(names)) < len(names):
+        raise ValueError("has a column twice")
+    for field in opened.schema_arrow:
+        if field.type not in TYPES.values():
+            raise ValueError(f"column {field.name} has the type {field.type}")
+    groups = [about.row_group(k) for k in range(about.num_row_groups)]
+    values = sum(group.column(c).num_values for group in groups for c in range(about.num_columns))
+    unpacked = sum(group.column(c).total_uncompressed_size for group in groups for c in range(about.num_columns))
+    if not 0 <= max(8 * values, unpacked) <= MOST_BYTES + MOST_ROW * rows:
+        raise ValueError(f"has {values} values of {unpacked} bytes in {rows} rows")
+    table = opened.read(columns)
+    if table.num_rows != rows or (columns is not None and table.column_names != columns):
+        raise ValueError(f"has not the columns {', '.join(columns or names)} of {rows} rows")
+    for name in table.column_names:
+        _check_column(name, table.column(name))
+    return table
+
+
+def _check_column(name: str, column: pyarrow.ChunkedArray) -> None:
+    for chunk in column.chunks:
+        chunk.validate(full=True)
+        if chunk.null_count or (pyarrow.types.is_list(chunk.type) and chunk.flatten().null_count):
+            raise ValueError(f"column {name} has nulls")
+        if pyarrow.types.is_dictionary(chunk.type) and max(map(len, chunk.dictionary.to_pylist()), default=0) > MOST_TEXT:
+            raise ValueError(f"column {name} has a text of more than {MOST_TEXT} characters")
 
 
 def columns_of(columns: list[Column], table: pyarrow.Table) -> dict[str, Any]:

@@ -11,9 +11,10 @@ from typing import Any, Callable
 import numpy
 
 from .._core import Checker, Robot, Scene
+from .documents import regular
 from .files import digest_of_file
 from .errors import FleetError
-from .paths import PathData, read_paths
+from .paths import PathData, read_paths, read_states
 from .scenes import generate
 
 __all__ = ["Worlds", "robot_of", "scene_digest"]
@@ -23,7 +24,7 @@ MOST_CHECKERS = 16  # kept in a process; neighbouring rows are of one scene
 
 def robot_of(folder: pathlib.Path, entry: dict[str, Any]) -> Robot:
     """Reads a robot of a campaign."""
-    return Robot(folder / entry["urdf"], str(folder / entry["srdf"]) if entry["srdf"] else "", packages=[str(folder / p) for p in entry["packages"]])
+    return Robot(regular(folder / entry["urdf"]), regular(folder / entry["srdf"]) if entry["srdf"] else "", packages=[str(folder / p) for p in entry["packages"]])
 
 
 def scene_digest(scene: Scene) -> str:
@@ -55,6 +56,7 @@ class Worlds:
         self._scenes: collections.OrderedDict = collections.OrderedDict()
         self._checkers: collections.OrderedDict = collections.OrderedDict()
         self._paths: collections.OrderedDict = collections.OrderedDict()
+        self._starts: collections.OrderedDict = collections.OrderedDict()
         self._lock = threading.RLock()
 
     def robot(self, name: str) -> Robot:
@@ -77,10 +79,10 @@ class Worlds:
     def _make_scene(self, name: str, instance: int) -> tuple[Scene, Any]:
         if not name:
             return Scene(), None
-        entry = self.plan["campaign"]["scenes"][name]
+        entry = self.plan["campaign"]["scenes"].get(name) or {"file": name, "generator": "", "packages": []}  # a table names files
         if entry["generator"]:
             return generate(self, name, entry, instance)
-        scene = Scene(str(self.folder / entry["file"]), packages=[str(self.folder / p) for p in entry["packages"]])
+        scene = Scene(regular(self.folder / entry["file"]), packages=[str(self.folder / p) for p in entry["packages"]])
         expected = self.plan["inputs"]["scenes"].get(name)
         if expected is not None and scene_digest(scene) != expected:
             raise FleetError(self.folder / entry["file"], "", "is another scene than the manifest's",
@@ -92,16 +94,34 @@ class Worlds:
         with self._lock:
             return _kept(self._paths, (file, *variables), lambda: self._read_paths(file, variables))
 
-    def _read_paths(self, file: str, variables: list[str]) -> list[PathData]:
+    def _check_file(self, file: str) -> None:
         expected = self.plan["inputs"].get("files", {}).get(file)
-        if expected is not None and digest_of_file(self.folder / file) != expected:
+        if expected is not None and digest_of_file(regular(self.folder / file)) != expected:
             raise FleetError(self.folder / file, "", "is another file than the manifest's", "put the old file back, or give another --out folder")
+
+    def _read_paths(self, file: str, variables: list[str]) -> list[PathData]:
+        self._check_file(file)
         return read_paths(self.folder / file, variables)
 
-    def checker_of(self, robot: str, scene: Scene) -> Checker:
-        entry = self.plan["campaign"]["robots"][robot]
-        return Checker(self.robot(robot), scene, group=entry["group"], reference=entry["reference"] or None)
-
-    def checker(self, robot: str, name: str, instance: int) -> Checker:
+    def start(self, file: str, robot: str) -> dict[str, float]:
+        """The robot's joints in the start state of a request."""
         with self._lock:
-            return _kept(self._checkers, (robot, name, instance), lambda: self.checker_of(robot, self.problem(name, instance)[0]))
+            return _kept(self._starts, (file, robot), lambda: self._read_start(file, robot))
+
+    def _read_start(self, file: str, robot: str) -> dict[str, float]:
+        self._check_file(file)
+        found = {name: value for name, value in read_states(self.folder / file).items() if name in self.robot(robot).variables}
+        if not found:
+            raise FleetError(self.folder / file, "start_state", f"has no joint of the robot {robot}", "give a request of this robot")
+        return found
+
+    def checker_of(self, robot: str, scene: Scene, start: dict[str, float] | None = None) -> Checker:
+        """start: of the joints outside of the group, before the robot's reference."""
+        entry = self.plan["campaign"]["robots"][robot]
+        return Checker(self.robot(robot), scene, group=entry["group"], reference={**entry["reference"], **(start or {})} or None)
+
+    def checker(self, robot: str, name: str, instance: int, start: str = "") -> Checker:
+        """start: the file of a request, or ""."""
+        with self._lock:
+            return _kept(self._checkers, (robot, name, instance, start),
+                lambda: self.checker_of(robot, self.problem(name, instance)[0], self.start(start, robot) if start else None))

@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The gate: eight windows at once, all bodies by their spheres. Most pairs of most paths are proved here.
+//
+// Thomason, Kingston, Kavraki: Motions in Microseconds via Vectorized Sampling-Based Planning, ICRA 2024 ("rakes"). Here lanes
+// are windows and not states: spheres move on by their velocity at the window's middle, but for an acceleration, (6). Proof and
+// rounding: core/docs/edges.md.
+#include "checker/pose.h"
+#include "motion/edge.h"
+#include "base/math_inline.h"
+#include "scene/scene.h"
+
+#include <string.h>
+
+/// Radians in half a window, all joints together: beyond, the rounding of directions is not bounded.
+#define MOST_ROTATION 1.0
+
+typedef struct gate
+{
+	lwi_edge* e;
+	const lwi_kernels* kernels;
+	const lwi_cluster_tree* tree;
+	const lwi_batch_frame* frames;   ///< [clusters]
+	const lwi_batch_point* clusters; ///< [clusters] middles of their spheres
+	double half;                     ///< width of half a window
+	double rounding;                 ///< of places in the lanes, for one of two
+	bool tested;                     ///< else all lanes are open: joints turn too much
+	bool covered;                    ///< tables hold along the path
+} gate;
+
+/// Windows in which bodies leave the lines between their poses too far are not measured.
+static uint8_t halvings_before( const gate* g, const lwi_edge_pair* pair )
+{
+	uint8_t skip = 0;
+	double half = 0.5 * g->e->work.end;
+	while ( skip < LWI_EDGE_MAX_DEPTH &&
+			!( lwi_chord_error_of( pair->rate[0], half ).max + lwi_chord_error_of( pair->rate[1], half ).max < LWI_MOST_DEVIATION ) )
+	{
+		half *= 0.5;
+		++skip;
+	}
+	return skip;
+}
+
+static void add_pair( const gate* g, uint32_t body_a, uint32_t body_b, uint32_t ancestor, uint32_t lanes )
+{
+	const lwi_edge_pair pair = { .body = { body_a, body_b }, .ancestor = ancestor, .cells = (uint8_t)lanes };
+	const uint32_t index = lwi_edge_add_pair( g->e, pair );
+	lwi_work_add( g->e, index, halvings_before( g, &g->e->pairs.all[index] ) );
+}
+
+// --- the robot in the lanes ------------------------------------------------------------------------------------------
+
+/// Frames, and middles of the spheres of all clusters.
+static void pose_lanes( gate* g )
+{
+	lwi_edge* e = g->e;
+	const uint32_t variables = e->checker->base->robot->variable_count;
+	for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
+	{
+		lwi_path_at( e, e->work.end * ( ( l + 0.5 ) / LWI_WIDTH ), e->lane_states + l * variables, e->lane_speeds + l * variables );
+	}
+	lwi_pose_moving_lanes( e->checker, e->query, e->lane_states, e->lane_speeds );
+	lwi_pose_lane_spheres( e->checker, e->query, g->half );
+}
+
+/// Motion of a cluster along the path, seen from another one above it.
+static lwi_motion_rate rate_of( const gate* g, uint32_t cluster, uint32_t ancestor )
+{
+	const lw_checker* c = g->e->checker;
+	return lwi_motion_of( c->base->motion, g->e->path.motion, cluster, g->tree->clusters[ancestor].root_link );
+}
+
+static double tube_of( const gate* g, uint32_t cluster, uint32_t ancestor )
+{
+	const lw_checker* c = g->e->checker;
+	return lwi_motion_tube_of( c->base->motion, g->e->path.motion, cluster, g->tree->clusters[ancestor].root_link );
+}
+
+/// Largest distance of a cluster's points from motion with their velocities in the middle, within a window and the tolerance.
+static double deviation_of( const gate* g, uint32_t cluster, uint32_t ancestor )
+{
+	return lwi_path_acceleration( g->e, rate_of( g, cluster, ancestor ), g->half ) + tube_of( g, cluster, ancestor );
+}
+
+/// The same for a body, by its place.
+static const lwi_batch_point* body_point( const gate* g, uint32_t place )
+{
+	return lwi_lane_body( g->e->checker, g->e->query, place, g->half );
+}
+
+/// No coordinate of a point in the lanes is larger, nor its displacement. @param path of the point along all of the path
+static double size_of( const lwi_batch_point* p, double path )
+{
+	return (double)fabsf( p->p[0][0] ) + (double)fabsf( p->p[1][0] ) + (double)fabsf( p->p[2][0] ) + 2 * path;
+}
+
+/// A box in the world, from the origin of the lanes.
+typedef struct box
+{
+	float min[3], max[3];
+} box;
+
+static box box_of( const lw_scene* scene, uint32_t shape )
+{
+	const lwi_box8* boxes = &scene->boxes[shape / LWI_WIDTH];
+	const uint32_t lane = shape % LWI_WIDTH;
+	return (box){ { boxes->min[0][lane], boxes->min[1][lane], boxes->min[2][lane] },
+		{ boxes->max[0][lane], boxes->max[1][lane], boxes->max[2][lane] } };
+}
+
+// --- the scene -------------------------------------------------------------------------------------------------------
+
+/// A sphere of the robot in the lanes, against obstacles.
+typedef struct query_sphere
+{
+	lwi_batch_point at; ///< from the scene's origin
+	double radius, need; ///< `need` with all but the margins of objects and the rounding of floats
+	double slack, path;
+	float reach;
+} query_sphere;
+
+static query_sphere make_query_sphere( const gate* g, uint32_t cluster, const lw_sphere* sphere, double margin )
+{
+	const lw_scene* scene = g->e->checker->scene;
+	query_sphere s = { .radius = sphere->radius, .path = rate_of( g, cluster, 0 ).path };
+	g->kernels->batch_point( &g->frames[cluster], sphere->center, scene->origin, g->half, &s.at );
+	s.need = g->e->pairs.need[0] + g->rounding + deviation_of( g, cluster, 0 ) + margin;
+	s.slack = lwi_gap_slack( 2 * ( size_of( &s.at, s.path ) + scene->extent + 2 * sphere->radius ) );
+	s.reach = lwi_round_up( s.radius + s.need + s.slack );
+	return s;
+}
+
+/// Lanes in which a sphere does not stay away from a half-space or plane.
+static uint32_t meets_unbounded( const gate* g, const query_sphere* s, uint32_t shape )
+{
+	const lw_scene* scene = g->e->checker->scene;
+	uint32_t lanes = 0;
+	for ( int l = 0; l < LWI_WIDTH; ++l )
+	{
+		double center[3], displacement = 0;
+		for ( int i = 0; i < 3; ++i )
+		{
+			center[i] = (double)s->at.p[i][l] + scene->origin[i];
+			displacement += fabs( (double)s->at.displacement[i][l] );
+		}
+		const double gap = lwi_unbounded_gap( &scene->shapes[shape], center, s->radius ) - displacement;
+		lanes |= gap >= s->need + s->slack ? 0u : 1u << l;
+	}
+	return lanes;
+}
+
+/// Lanes in which a sphere does not stay away from the box of an obstacle.
+static uint32_t meets_obstacle( const gate* g, const query_sphere* s, uint32_t shape, double margin )
+{
+	const lw_scene* scene = g->e->checker->scene;
+	if ( !g->tested )
+	{
+		return 0xffu;
+	}
+	if ( scene->shapes[shape].shape->family == LWI_UNBOUNDED )
+	{
+		query_sphere wider = *s;
+		wider.need += margin;
+		return meets_unbounded( g, &wider, shape );
+	}
+	const box around = box_of( scene, shape );
+	return g->kernels->batch_box( &s->at, around.min, around.max,
+		margin != 0 ? lwi_round_up( (double)s->reach + margin ) : s->reach );
+}
+
+/// Obstacles that some body of a cluster is to be checked against, by blocks of LWI_WIDTH.
+static uint32_t obstacles_of( const gate* g, const lwi_cluster* n, uint32_t block )
+{
+	const lw_checker* c = g->e->checker;
+	uint32_t mask = 0;
+	for ( uint32_t k = 0; k < n->body_count; ++k )
+	{
+		mask |= c->environment.mask[(size_t)g->tree->bodies[n->first_body + k] * c->scene->block_count + block];
+	}
+	return mask;
+}
+
+/// Obstacles that a cluster's sphere meets: the first of query->scratch.candidates, lanes in place of the gap. Returns
+/// their count.
+static uint32_t near_cluster( const gate* g, uint32_t cluster, query_sphere* out )
+{
+	const lw_checker* c = g->e->checker;
+	const lwi_cluster* n = &g->tree->clusters[cluster];
+	const lwi_margins* m = c->margins;
+	const bool alone = n->body_count == 1;
+	const uint32_t only = g->tree->bodies[n->first_body], blocks = c->scene->block_count;
+	const query_sphere s = make_query_sphere( g, cluster, &n->r, m == NULL ? 0 : alone ? m->bodies[only] : m->clusters[2 * cluster] );
+	const float* margins = m == NULL ? NULL : alone ? m->body_row[only] : m->objects;
+	const double middle[3] = { (double)s.at.p[0][4] + c->scene->origin[0], (double)s.at.p[1][4] + c->scene->origin[1],
+		(double)s.at.p[2][4] + c->scene->origin[2] };
+	lw_query* query = g->e->query;
+	uint32_t count = 0;
+	bool any = true;
+	float limit = INFINITY;
+	if ( g->tested )
+	{
+		// all that the sphere passes lies in one: 5 / 8 of the part are left on the longer side of the fifth window's middle
+		const double largest = margins != NULL ? m->largest : 0;
+		const double slack = lwi_scene_gaps( c->scene, blocks, g->kernels, middle,
+			s.radius + s.need + 0.625 * g->e->work.end * s.path + largest, s.slack, query->scratch.row, &any );
+		limit = lwi_round_up( s.slack + slack );
+	}
+	for ( uint32_t block = 0; any && block < blocks; ++block )
+	{
+		for ( uint32_t mask = obstacles_of( g, n, block ); mask != 0; mask &= mask - 1 )
+		{
+			const uint32_t shape = block * LWI_WIDTH + lwi_lowest_bit( mask );
+			if ( g->tested && query->scratch.row[shape] >= limit )
+			{
+				continue;
+			}
+			const uint32_t lanes = meets_obstacle( g, &s, shape, margins != NULL ? (double)margins[shape] : 0 );
+			if ( lanes != 0 )
+			{
+				query->scratch.candidates[count++] = (lwi_candidate){ (float)lanes, shape };
+			}
+		}
+	}
+	*out = s;
+	return count;
+}
+
+/// Lanes in which a body is near some of these obstacles. @param own its query sphere, if the obstacles were found near that
+static uint32_t near_body( const gate* g, uint32_t place, const lwi_candidate* obstacles, uint32_t count,
+	const query_sphere* own )
+{
+	const lw_checker* c = g->e->checker;
+	const lwi_margins* m = c->margins;
+	const uint32_t body = g->tree->bodies[place], cluster = g->tree->body_cluster[body];
+	const uint8_t* mask = c->environment.mask + (size_t)body * c->scene->block_count;
+	const float* row = m != NULL ? m->body_row[body] : NULL;
+	const query_sphere s = own != NULL ? *own
+									   : make_query_sphere( g, cluster, &g->tree->body_spheres[place],
+											 m != NULL ? m->bodies[body] : 0 );
+	uint32_t met = 0;
+	for ( uint32_t i = 0; i < count && met != 0xffu; ++i )
+	{
+		const uint32_t shape = obstacles[i].pair, lanes = (uint32_t)obstacles[i].gap & ~met;
+		if ( ( ( mask[shape / LWI_WIDTH] >> ( shape % LWI_WIDTH ) ) & 1 ) == 0 || lanes == 0 )
+		{
+			continue;
+		}
+		met |= own != NULL ? lanes : meets_obstacle( g, &s, shape, row != NULL ? (double)row[shape] : 0 ) & lanes;
+	}
+	return met;
+}
+
+static void test_environment( const gate* g )
+{
+	lwi_edge* e = g->e;
+	const lw_checker* c = e->checker;
+	if ( ( e->def->flags & LW_CHECK_ENVIRONMENT ) == 0 || c->environment.pair_count == 0 )
+	{
+		return;
+	}
+	for ( uint32_t i = g->tree->cluster_count; i-- > 1; ) // hands move most
+	{
+		const lwi_cluster* n = &g->tree->clusters[i];
+		if ( ( c->environment.clusters[i] & LWI_CLUSTER_CHECKED ) == 0 )
+		{
+			continue;
+		}
+		query_sphere of_cluster;
+		const uint32_t count = near_cluster( g, i, &of_cluster );
+		lwi_edge_note_proof( e );
+		for ( uint32_t k = n->first_body; count > 0 && k < n->first_body + n->body_count; ++k )
+		{
+			const uint32_t lanes =
+				near_body( g, k, e->query->scratch.candidates, count, n->body_count == 1 ? &of_cluster : NULL );
+			if ( lanes != 0 )
+			{
+				add_pair( g, g->tree->bodies[k], LW_INVALID_INDEX, 0, lanes );
+			}
+		}
+	}
+}
+
+// --- the robot itself ------------------------------------------------------------------------------------------------
+
+/// Two clusters, and the parameters of the test of their spheres.
+typedef struct cluster_pair
+{
+	const lwi_cluster_pair* pair;
+	double tube;  ///< metres: of both
+	double reach; ///< all but radii
+} cluster_pair;
+
+static cluster_pair make_cluster_pair( const gate* g, const lwi_cluster_pair* pair, double tube )
+{
+	const uint32_t a = pair->cluster_a, b = pair->cluster_b, above = pair->ancestor;
+	const double size = size_of( &g->clusters[a], rate_of( g, a, 0 ).path ) + size_of( &g->clusters[b], rate_of( g, b, 0 ).path ) +
+						2 * ( g->tree->clusters[a].r.radius + g->tree->clusters[b].r.radius );
+	return ( cluster_pair ){ .pair = pair,
+		.tube = tube,
+		.reach = g->e->pairs.need[1] + 2 * g->rounding + deviation_of( g, a, above ) + deviation_of( g, b, above ) +
+				 (double)pair->margin + lwi_gap_slack( 2 * size ) };
+}
+
+/// Lanes in which two spheres do not stay apart.
+static uint32_t points_meet( const gate* g, const cluster_pair* c, const lwi_batch_point* a, double radius_a,
+	const lwi_batch_point* b, double radius_b )
+{
+	return g->tested ? g->kernels->batch_pair( a, b, lwi_round_up( c->reach + radius_a + radius_b ) ) : 0xffu;
+}
+
+static void add_self_pair( const gate* g, const cluster_pair* c, uint32_t a, uint32_t b, uint32_t lanes )
+{
+	const uint32_t first = g->tree->bodies[a], second = g->tree->bodies[b], index = (uint32_t)( c->pair - g->tree->self.pairs );
+	const lwi_grid_slice* slice = g->covered ? lwi_checker_slice( g->tree, index, first, second ) : NULL;
+	if ( !lwi_edge_grid_proves( g->e, slice, first, second, c->tube ) )
+	{
+		add_pair( g, first < second ? first : second, first < second ? second : first, c->pair->ancestor, lanes );
+	}
+}
+
+/// The bodies of two clusters whose spheres meet in some lanes.
+static void test_bodies( const gate* g, const cluster_pair* c, uint32_t lanes )
+{
+	const lwi_cluster_tree* tree = g->tree;
+	const lwi_cluster *a = &tree->clusters[c->pair->cluster_a], *b = &tree->clusters[c->pair->cluster_b];
+	const lw_sphere* spheres = tree->body_spheres;
+	for ( uint32_t i = a->first_body; i < a->first_body + a->body_count; ++i )
+	{
+		const float* separations = tree->self.separations + c->pair->first + (size_t)( i - a->first_body ) * b->body_count;
+		const uint32_t left = lanes & points_meet( g, c, body_point( g, i ), spheres[i].radius,
+										  &g->clusters[c->pair->cluster_b], b->r.radius );
+		for ( uint32_t k = b->first_body; k < b->first_body + b->body_count && left != 0; ++k )
+		{
+			const bool checked = separations[k - b->first_body] < INFINITY;
+			const uint32_t met =
+				checked ? left & points_meet( g, c, body_point( g, i ), spheres[i].radius, body_point( g, k ), spheres[k].radius ) : 0;
+			if ( met != 0 )
+			{
+				add_self_pair( g, c, i, k, met );
+			}
+		}
+	}
+}
+
+static void test_self( const gate* g )
+{
+	lwi_edge* e = g->e;
+	const uint32_t count = g->tree->self.pair_count;
+	if ( ( e->def->flags & LW_CHECK_SELF ) == 0 || e->checker->self_unchanged )
+	{
+		return;
+	}
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		const lwi_cluster_pair* pair = &g->tree->self.pairs[i];
+		const lwi_cluster *a = &g->tree->clusters[pair->cluster_a], *b = &g->tree->clusters[pair->cluster_b];
+		const double tube = tube_of( g, pair->cluster_a, pair->ancestor ) + tube_of( g, pair->cluster_b, pair->ancestor );
+		if ( g->covered && lwi_edge_is_separated( e, pair->separation, tube ) )
+		{
+			continue;
+		}
+		lwi_edge_note_proof( e );
+		const cluster_pair two = make_cluster_pair( g, pair, tube );
+		const uint32_t lanes =
+			points_meet( g, &two, &g->clusters[pair->cluster_a], a->r.radius, &g->clusters[pair->cluster_b], b->r.radius );
+		if ( lanes != 0 )
+		{
+			test_bodies( g, &two, lanes );
+		}
+	}
+}
+
+void lwi_edge_gate( lwi_edge* e )
+{
+	const double half = 0.5 * e->work.end / LWI_WIDTH;
+	gate g = { .e = e,
+		.kernels = e->query->search.kernels,
+		.tree = e->checker->base->tree,
+		.frames = e->query->scratch.lane_frames,
+		.clusters = e->query->scratch.lane_spheres,
+		.half = half,
+		.rounding = 2 * lwi_motion_rounding( e->path.motion ),
+		.tested = lwi_motion_rotation( e->path.motion ) * half <= MOST_ROTATION,
+		.covered = lwi_path_is_covered( e ) };
+	pose_lanes( &g );
+	test_environment( &g );
+	test_self( &g );
+}

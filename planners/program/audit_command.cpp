@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway audit: an independent look at a path file.
+#include "leeway/handles.hpp"
+#include "leeway/motions/motion_files.hpp"
+#include "leeway/motions/path_file.hpp"
+#include "motions/report.hpp"
+#include "program/page_file.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+namespace leeway::cli
+{
+namespace
+{
+
+RoundingAudit proveCorners(
+    const Workbench& bench, const std::vector<std::vector<double>>& points, const AuditOptions& options, double min_d )
+{
+	lw_edge_def def = lw_edge_def_default();
+	const std::vector<double> tolerance = tolerances( bench.problem(), "command line", {}, givenTolerances( options.tolerance ) );
+	def.tolerance = tolerance.empty() ? nullptr : tolerance.data();
+	def.min_d = min_d;
+	def.flags = options.common.checkFlags();
+	return auditRoundings( bench.problem(), points, options.corner_blend, def, options.path );
+}
+
+} // namespace
+
+int runAudit( const AuditOptions& options )
+{
+	Notices notices( options.common.verbose );
+	const PathFile path = readPath( options.path );
+	readsFile( "--path", options.path );
+	OutputFile report( "--report", options.report ), profile_file( "--profile", options.profile );
+	ViewFile view( options.view );
+	const Input input = loadInput( options.common, notices );
+	if ( !path.robot.empty() && path.robot != input.robot.name )
+	{
+		notices.add( "the path",
+		    fmt::format( "{}: it was planned for robot '{}', this is '{}'", path.file, path.robot, input.robot.name ) );
+	}
+	const std::string group = groupOf( path, options.common.group, input.robot );
+	std::vector<io::Notice> unused;
+	const Values start = startValues( path, input.robot, unused );
+	notices.add( "unused joints", unused );
+	const Workbench bench( input, group, start, notices );
+	const std::vector<std::vector<double>> points = groupPoints( path, bench.problem() );
+	notices.add( "keys of the path", path.notices );
+	for ( const std::string& violation : limitViolations( bench.robot(), bench.problem().reference ) )
+	{
+		notices.add( "joint limits", fmt::format( "{}: start_state: {}", path.file, violation ) );
+	}
+
+	AuditSettings settings;
+	settings.min_d = options.common.min_d_given ? options.common.min_d : path.min_d;
+	settings.resolution = options.resolution;
+	settings.time = options.time;
+	settings.flags = options.common.checkFlags();
+	Audit audit = audited( bench, points, settings, path.file );
+	if ( input.request )
+	{
+		auditEnds( bench.problem(), *input.request, points, audit );
+	}
+	std::optional<RoundingAudit> corners;
+	if ( options.corner_blend > 0 )
+	{
+		corners = proveCorners( bench, points, options, settings.min_d );
+	}
+	std::vector<OutputFile*> files;
+	if ( !options.report.empty() )
+	{
+		Json json;
+		json["path"] = options.path;
+		json["robot"] = input.robot.name;
+		json["group"] = group;
+		json["points"] = points.size();
+		json["audit"] = toJson( audit, settings );
+		if ( corners )
+		{
+			json["roundings"] = toJson( *corners );
+		}
+		report.text = jsonText( json );
+		files.push_back( &report );
+	}
+	if ( !options.profile.empty() )
+	{
+		profile_file.text = profileCsv( audit );
+		files.push_back( &profile_file );
+	}
+	if ( view.isWanted() )
+	{
+		Progress progress( "measuring the motion" );
+		ViewMotion motion = motionOfPath( bench.problem(), points, settings.flags, path.file, shownBy( progress ) );
+		PageInput page = pageOf( input, bench.problem(), std::move( motion ), settings.flags );
+		page.min_d = settings.min_d;
+		page.source = options.path;
+		page.notes = audit.problems;
+		view.write( page, files );
+	}
+	commitTogether( files );
+	printOut( describe( audit, settings, points.size() ) + ( corners ? describe( *corners ) : "" ) );
+	return audit.valid && ( !corners || corners->valid() ) ? exit_yes : exit_no;
+}
+
+} // namespace leeway::cli

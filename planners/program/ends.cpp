@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Start and goal of a plan: of a request, and of --start and --goal over it.
+#include "program/ends.hpp"
+
+#include "motions/csv.hpp"
+#include "motions/names.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace leeway::cli
+{
+namespace
+{
+
+const char* const how_to_write = "write joint=value,joint=value, the name of a group_state, or random";
+
+[[noreturn]] void wrong( const std::string& option, const std::string& problem, const std::string& remedy )
+{
+	throw io::Error( "command line", option, problem, remedy );
+}
+
+// The value of an option.
+struct End
+{
+	Values values;
+	std::string group; // of the named state; empty for values
+};
+
+End parseValues( const std::string& option, const std::string& text, const io::RobotModel& robot )
+{
+	End end;
+	const std::vector<std::string> known = variableNames( robot );
+	for ( std::size_t from = 0; from <= text.size(); )
+	{
+		const std::size_t comma = std::min( text.find( ',', from ), text.size() );
+		const std::string part = trimmed( text.substr( from, comma - from ) );
+		from = comma + 1;
+		const std::size_t equals = part.rfind( '=' );
+		if ( equals == std::string::npos )
+		{
+			wrong( option, fmt::format( "'{}' is not joint=value", part ), how_to_write );
+		}
+		const std::string name = trimmed( part.substr( 0, equals ) ), value = trimmed( part.substr( equals + 1 ) );
+		if ( std::find( known.begin(), known.end(), name ) == known.end() )
+		{
+			const UnknownVariable why = explainUnknown( name, robot );
+			wrong( option + " " + name, why.problem, why.remedy );
+		}
+		const std::optional<double> number_ = finiteNumber( value );
+		if ( !number_ )
+		{
+			wrong( option + " " + name, fmt::format( "'{}' is not a finite number", value ),
+			    "give a finite number in radians or metres" );
+		}
+		if ( !end.values.emplace( name, *number_ ).second )
+		{
+			wrong( option + " " + name, "is given twice", "remove one of them" );
+		}
+	}
+	return end;
+}
+
+// The state of that name: of the group if it has one, else the only one there is.
+const io::GroupState& findState(
+    const std::string& option, const std::string& name, const std::string& group, const io::RobotModel& robot )
+{
+	if ( robot.srdf_file.empty() && robot.group_states.empty() )
+	{
+		wrong( option, fmt::format( "'{}' names a state, and there is no SRDF", name ), "give --srdf, or write joint=value,joint=value" );
+	}
+	const bool own = std::any_of( robot.group_states.begin(), robot.group_states.end(),
+	    [&]( const io::GroupState& state ) { return state.name == name && state.group == group; } );
+	return robot.useGroupState( own ? group : "", name );
+}
+
+End valuesOf( const std::string& option, const io::GroupState& state, const io::RobotModel& robot )
+{
+	End end;
+	end.group = state.group;
+	for ( const io::JointModel& joint : robot.joints )
+	{
+		const std::vector<std::string> names = io::variableNames( joint );
+		const auto found = state.joints.find( joint.name );
+		if ( found == state.joints.end() || names.empty() ) // states may list joints that follow others
+		{
+			continue;
+		}
+		if ( found->second.size() != names.size() )
+		{
+			throw io::Error( robot.srdf_file.empty() ? robot.urdf_file : robot.srdf_file,
+			    fmt::format( "group_state {} (for {}), joint {}", state.name, option, joint.name ),
+			    fmt::format(
+			        "has {}, the joint {}", counted( found->second.size(), "value" ), counted( names.size(), "value" ) ),
+			    "give one for each of " + listed( names ) );
+		}
+		for ( std::size_t i = 0; i < names.size(); ++i )
+		{
+			end.values[names[i]] = found->second[i];
+		}
+	}
+	return end;
+}
+
+End parse( const std::string& option, const std::string& text, const std::string& group, const io::RobotModel& robot )
+{
+	const bool named = std::any_of( robot.group_states.begin(), robot.group_states.end(),
+	    [&]( const io::GroupState& state ) { return state.name == text; } );
+	return named || text.find( '=' ) == std::string::npos
+	           ? valuesOf( option, findState( option, text, group, robot ), robot )
+	           : parseValues( option, text, robot );
+}
+
+// The word, unless a state has this name.
+bool isRandom( const std::string& text, const io::RobotModel& robot )
+{
+	const bool named = std::any_of( robot.group_states.begin(), robot.group_states.end(),
+	    []( const io::GroupState& state ) { return state.name == "random"; } );
+	return text == "random" && !named;
+}
+
+// The input as it stands when an end is drawn.
+Input withRequest( const Input& input, const io::Request& request )
+{
+	Input with = input;
+	with.request = request;
+	return with;
+}
+
+/// A humanoid has one free state in thousands; a state takes ten to a hundred microseconds.
+constexpr std::size_t most_tries = 100'000;
+constexpr double pi = 3.14159265358979323846;
+
+void draw( const io::Problem& problem, std::mt19937_64& random, std::vector<double>& q )
+{
+	for ( std::size_t i = 0; i < q.size(); ++i )
+	{
+		const lw_variable_info info = lw_robot_variable( problem.robot.get(), problem.variables[i] );
+		const bool bounded = std::isfinite( info.lower ) && std::isfinite( info.upper ) && !info.wraps;
+		const double lower = bounded ? info.lower : info.wraps ? -pi : -1, upper = bounded ? info.upper : info.wraps ? pi : 1;
+		const double share = static_cast<double>( random() >> 11 ) * 0x1p-53;
+		q[i] = lower + ( upper - lower ) * share;
+		if ( lw_robot_joint_type( problem.robot.get(), info.joint ) == LW_JOINT_FLOATING && info.component == 6 )
+		{
+			const double length = std::hypot( std::hypot( q[i - 3], q[i - 2] ), std::hypot( q[i - 1], q[i] ) );
+			std::for_each( &q[i - 3], &q[i] + 1, [=]( double& part ) { part = length > 0 ? part / length : 0.5; } );
+		}
+	}
+}
+
+/// Values of the group's joints, the same for the same seed on every machine: uniform within the limits; joints without limits turn once and
+/// shift by a metre. Joints outside of the group are where input.request starts, or at zero.
+/// @param option "--goal random", for the error @param seed different for start and goal
+/// @throws io::Error if none of many states is free
+Values randomFreeState( const std::string& option, const Input& input, const std::string& group, std::uint64_t seed )
+{
+	const Progress progress( "looking for a free state" );
+	io::ProblemOptions options = problemOptions( input, group, {} );
+	options.find_reach.reset(); // tables are for many questions
+	options.notice_enclosed = false;
+	const io::Problem problem = io::buildProblem( input.robot, options );
+	const Query query = makeQuery( problem.checker.get() );
+	std::mt19937_64 random( seed );
+	std::vector<double> q( problem.variables.size() );
+	for ( std::size_t tries = 0; tries < most_tries; ++tries )
+	{
+		draw( problem, random, q );
+		bool free = false;
+		const lw_status status = lw_checker_is_free( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, input.min_d, &free, nullptr );
+		if ( status == LW_OK && free )
+		{
+			Values values;
+			for ( std::size_t i = 0; i < q.size(); ++i )
+			{
+				values[problem.variable_names[i]] = q[i];
+			}
+			return values;
+		}
+	}
+	throw io::Error( "command line", option, fmt::format( "none of {} random states is free", most_tries ),
+	    "`leeway pairs` shows which pairs of links are always in contact; or write joint=value,joint=value" );
+}
+
+// As RViz has them for goals: metres, radians.
+constexpr double place_tolerance = 1e-4, turn_tolerance = 1e-3;
+
+// LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW, in the planning frame.
+void readGoalPose( const std::string& text, io::Request& request )
+{
+	const char* const format = "write LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW";
+	const std::string option = "--goal-pose " + text;
+	const std::size_t equals = text.rfind( '=' );
+	if ( equals == std::string::npos || trimmed( text.substr( 0, equals ) ).empty() )
+	{
+		wrong( option, "names no link", format );
+	}
+	std::vector<double> numbers;
+	for ( std::size_t from = equals + 1; from <= text.size(); )
+	{
+		const std::size_t comma = std::min( text.find( ',', from ), text.size() );
+		const std::string part = trimmed( text.substr( from, comma - from ) );
+		const std::optional<double> value = finiteNumber( part );
+		if ( !value )
+		{
+			wrong( option, fmt::format( "'{}' is not a finite number", part ), format );
+		}
+		numbers.push_back( *value );
+		from = comma + 1;
+	}
+	if ( numbers.size() != 3 && numbers.size() != 7 )
+	{
+		wrong( option, fmt::format( "has {}, not 3 or 7", counted( numbers.size(), "number" ) ), format );
+	}
+	io::PositionGoal position;
+	position.link = trimmed( text.substr( 0, equals ) );
+	position.element = option;
+	position.regions.emplace_back();
+	position.regions.back().size = { place_tolerance, 0, 0 };
+	std::copy_n( numbers.begin(), 3, position.regions.back().pose.t );
+	request.goal_positions.push_back( position );
+	if ( numbers.size() == 3 )
+	{
+		return;
+	}
+	io::OrientationGoal orientation;
+	orientation.link = position.link;
+	orientation.element = option;
+	orientation.tolerance.fill( turn_tolerance );
+	const double length = std::hypot( std::hypot( numbers[3], numbers[4] ), std::hypot( numbers[5], numbers[6] ) );
+	if ( !( std::fabs( length - 1 ) <= 0.01 ) )
+	{
+		wrong( option, fmt::format( "the quaternion has length {:.4g}, not 1", length ), "give QX,QY,QZ,QW of length 1; 0,0,0,1 turns nothing" );
+	}
+	for ( std::size_t i = 0; i < 4; ++i )
+	{
+		orientation.quaternion[i] = numbers[3 + i] / length;
+	}
+	request.goal_orientations.push_back( orientation );
+}
+
+void clearGoal( io::Request& request, PlanEnds& ends, const char* option )
+{
+	request.goal.clear();
+	request.goal_positions.clear();
+	request.goal_orientations.clear();
+	ends.goal = { "command line", option };
+	request.goal_file = ends.goal.file;
+	request.goal_element = ends.goal.element;
+}
+
+} // namespace
+
+PlanEnds readEnds( const PlanOptions& options, Input& input )
+{
+	const bool from_file = input.request.has_value();
+	PlanEnds ends;
+	ends.start = ends.goal = { options.common.request, "" };
+	ends.start.element = "start_state";
+	ends.goal.element = "goal_constraints";
+	if ( !options.goal.empty() && !options.goal_poses.empty() )
+	{
+		wrong( "--goal-pose", "stands beside --goal", "give one of them" );
+	}
+	io::Request request = from_file ? *input.request : io::Request();
+	std::string state_group;
+	if ( !options.goal.empty() )
+	{
+		const std::string wanted = options.common.group.empty() ? request.group : options.common.group;
+		const End goal = isRandom( options.goal, input.robot )
+		                     ? End{ randomFreeState( "--goal random", withRequest( input, request ), wanted, 2 * options.seed + 1 ), "" }
+		                     : parse( "--goal", options.goal, wanted, input.robot );
+		state_group = goal.group;
+		clearGoal( request, ends, "--goal" );
+		for ( const auto& [name, value] : goal.values )
+		{
+			request.goal.push_back( { name, value, 0, 0 } );
+		}
+		request.goal_keeps_rest = true;
+	}
+	else if ( !options.goal_poses.empty() )
+	{
+		clearGoal( request, ends, "--goal-pose" );
+		for ( const std::string& pose : options.goal_poses )
+		{
+			readGoalPose( pose, request );
+		}
+	}
+	else if ( !from_file )
+	{
+		wrong( "--goal", "is missing", std::string( how_to_write ) + ", or give --goal-pose or --request Q.yaml" );
+	}
+	ends.group = !options.common.group.empty() ? options.common.group : request.group;
+	if ( !options.start.empty() )
+	{
+		const std::string wanted = ends.group.empty() ? state_group : ends.group;
+		const End start = isRandom( options.start, input.robot )
+		                      ? End{ randomFreeState( "--start random", withRequest( input, request ), wanted, 2 * options.seed ), "" }
+		                      : parse( "--start", options.start, wanted, input.robot );
+		if ( ends.group.empty() && !state_group.empty() && !start.group.empty() && start.group != state_group )
+		{
+			wrong( "--start",
+			    fmt::format( "is a state of group {}, --goal of group {}", start.group, state_group ), "say which moves with --group" );
+		}
+		state_group = state_group.empty() ? start.group : state_group;
+		for ( const auto& [name, value] : start.values )
+		{
+			request.start.values[name] = value;
+		}
+	}
+	if ( !options.start.empty() || !from_file )
+	{
+		ends.start = { "command line", "--start" };
+	}
+	request.file = from_file ? request.file : "command line";
+	ends.group = ends.group.empty() ? state_group : ends.group;
+	input.request = std::move( request );
+	return ends;
+}
+
+} // namespace leeway::cli

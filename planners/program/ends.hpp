@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Start and goal of a plan: of a request, and of --start and --goal over it.
+#pragma once
+
+#include "program/setup.hpp"
+
+#include <string>
+
+namespace leeway::cli
+{
+
+/// Where an end was read, for errors.
+struct EndPlace
+{
+	std::string file, element;
+};
+
+struct PlanEnds
+{
+	std::string group; ///< to plan for; empty: all joints
+	EndPlace start, goal;
+};
+
+/// Puts the ends of --start, --goal and --goal-pose into input.request, which may be empty before. A group_state stands for its joints' values,
+/// random for a free state by PlanOptions::seed.
+/// The group is that of --group, else of the request, else of the state that --goal or --start names, else all joints.
+/// @throws io::Error (no such state, joint or value; no goal)
+PlanEnds readEnds( const PlanOptions& options, Input& input );
+
+} // namespace leeway::cli

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway audit --trajectory, --steps: timed trajectories, proved as a controller drives them, in a world that changes in between.
+#include "leeway/motions/motion_files.hpp"
+#include "leeway/motions/stage.hpp"
+#include "motions/report.hpp"
+#include "program/page_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+
+namespace leeway::cli
+{
+namespace
+{
+
+Interpolation interpolationOf( const std::string& name )
+{
+	return name == "linear"    ? Interpolation::linear
+	       : name == "cubic"   ? Interpolation::cubic
+	       : name == "quintic" ? Interpolation::quintic
+	                           : Interpolation::automatic;
+}
+
+/// A step, with its trajectories.
+struct Act
+{
+	Step step;
+	std::vector<TrajectoryFile> files;
+};
+
+std::vector<Act> readActs( const AuditOptions& options )
+{
+	std::vector<Act> acts;
+	if ( options.steps.empty() )
+	{
+		acts.push_back( { {}, readTrajectories( options.trajectory ) } );
+		readsFile( "--trajectory", options.trajectory );
+		return acts;
+	}
+	for ( const Step& step : readSteps( options.steps ) )
+	{
+		const bool driven = step.kind == Step::Kind::trajectory;
+		acts.push_back( { step, driven ? readTrajectories( step.file ) : std::vector<TrajectoryFile>() } );
+		if ( driven )
+		{
+			readsFile( "--steps", step.file );
+		}
+	}
+	readsFile( "--steps", options.steps );
+	return acts;
+}
+
+std::vector<TrajectoryFile> filesOf( const std::vector<Act>& acts )
+{
+	std::vector<TrajectoryFile> files;
+	for ( const Act& act : acts )
+	{
+		files.insert( files.end(), act.files.begin(), act.files.end() );
+	}
+	return files;
+}
+
+/// The options for joints of this group, and for all joints. Those of other groups' joints are for other steps.
+std::vector<Tolerance> tolerancesFor( const AuditOptions& options, const io::Problem& problem )
+{
+	const std::vector<std::string>& names = problem.variable_names;
+	std::vector<Tolerance> out = givenTolerances( options.tolerance );
+	const auto other = [&]( const Tolerance& tolerance )
+	{
+		return !options.steps.empty() && !tolerance.variable.empty() &&
+		       std::find( names.begin(), names.end(), tolerance.variable ) == names.end() &&
+		       variableOf( problem.robot.get(), tolerance.variable ) != LW_INVALID_INDEX;
+	};
+	out.erase( std::remove_if( out.begin(), out.end(), other ), out.end() );
+	return out;
+}
+
+/// Drives the trajectories, and keeps what reports and pages show of them.
+class Driver
+{
+public:
+	Driver( const AuditOptions& options, const Input& input, Stage& stage, Notices& notices, TrajectorySettings settings )
+	    : m_options( options ), m_input( input ), m_stage( stage ), m_notices( notices ), m_settings( std::move( settings ) ),
+	      m_drive( input.request ? input.request->start.values : Values() )
+	{
+	}
+
+	/// The problem of a group in the world as it is now.
+	std::shared_ptr<const io::Problem> use( const std::string& group )
+	{
+		Progress progress( "building the checker" );
+		ReachProgress reach_progress( progress );
+		if ( m_stage.options().find_reach )
+		{
+			reach_progress.attach( m_stage.options().find_reach->def );
+		}
+		std::shared_ptr<const io::Problem> problem = m_stage.use( group );
+		if ( m_shown.insert( group ).second )
+		{
+			m_notices.add( "the model", problem->notices );
+			noteState( m_input, *problem, m_notices );
+		}
+		return problem;
+	}
+
+	void drive( const TrajectoryFile& file )
+	{
+		const std::string group = groupOf( file, m_options.common.group, m_input.robot );
+		const std::shared_ptr<const io::Problem> problem = use( group );
+		m_notices.add( "fields of the trajectory", file.notices );
+		m_settings.tolerance = tolerances( *problem, file.file, file.path_tolerance, tolerancesFor( m_options, *problem ) );
+		const TrajectoryAudit& audit = m_drive.add( *problem, m_input.robot, file, m_settings );
+		m_notices.add( "first points", m_drive.notices() );
+		if ( !m_options.profile.empty() )
+		{
+			profile += profileCsv( *problem, m_drive.segments(), m_settings.edge.flags, file.file );
+		}
+		keep( m_drive.segments(), group );
+		m_stage.moved( stateAt( m_drive.segments(), whole().duration ) );
+		Json step = toJson( audit );
+		told += fmt::format( "step        {:.4f} to {:.4f} s, {}: {}, {}\n", m_drive.begin(), whole().duration,
+		    group.empty() ? "all joints" : group, file.file, step["verdict"].get<std::string>() );
+		step["file"] = file.file;
+		step["group"] = group;
+		step["begin"] = m_drive.begin();
+		steps.push_back( step );
+	}
+
+	const TrajectoryAudit& whole() const { return m_drive.whole(); }
+	std::string profile = "time,environment,self\n", told;
+	Json steps = Json::array();
+	std::vector<Segment> all; ///< of a page
+	std::string shown_group;
+
+private:
+	/// For a page, which has one group.
+	void keep( const std::vector<Segment>& segments, const std::string& group )
+	{
+		if ( !m_options.view.empty() && !all.empty() && group != shown_group )
+		{
+			throw io::Error( "command line", "--view",
+			    fmt::format( "the trajectories are of the groups '{}' and '{}', and a page has one", shown_group, group ),
+			    "name a group with all joints by --group, or leave it out" );
+		}
+		shown_group = group;
+		all.insert( all.end(), segments.begin(), segments.end() );
+	}
+
+	const AuditOptions& m_options;
+	const Input& m_input;
+	Stage& m_stage;
+	Notices& m_notices;
+	TrajectorySettings m_settings;
+	Drive m_drive;
+	std::set<std::string> m_shown; ///< groups whose notices were given
+};
+
+} // namespace
+
+int runTrajectoryAudit( const AuditOptions& options )
+{
+	Notices notices( options.common.verbose );
+	const std::vector<Act> acts = readActs( options );
+	TrajectorySettings settings;
+	if ( !options.joint_limits.empty() )
+	{
+		settings.limits = readJointLimits( options.joint_limits );
+		readsFile( "--joint-limits", options.joint_limits );
+	}
+	OutputFile report( "--report", options.report ), profile_file( "--profile", options.profile );
+	ViewFile view( options.view );
+	const Input input = loadInput( options.common, notices );
+	noteUnknownLimits( settings.limits, options.joint_limits, input.robot, settings.limits.notices );
+	notices.add( "joint limits of the file", settings.limits.notices );
+	settings.edge.min_d = options.common.min_d;
+	settings.edge.flags = options.common.checkFlags();
+	settings.interpolation = interpolationOf( options.interpolation );
+	const std::vector<TrajectoryFile> files = filesOf( acts );
+	const std::string group = groupOf( files.front(), options.common.group, input.robot );
+	std::vector<io::Notice> unused;
+	const Values start = startValues( files, input.robot, unused );
+	notices.add( "unused joints", unused );
+	const Values standing_at = standing( input.robot, input.request ? &*input.request : nullptr, start );
+	Stage stage( input.robot, problemOptions( input, group, {} ), standing_at );
+	Driver driver( options, input, stage, notices, settings );
+	{
+		const std::shared_ptr<const io::Problem> problem = driver.use( group );
+		// Joints that the motion does not move stand where the file says, inside of their limits or not
+		for ( const std::string& violation : limitViolations( problem->robot.get(), problem->reference ) )
+		{
+			notices.add( "joint limits", fmt::format( "{}: start state: {}", files.front().file, violation ) );
+		}
+	}
+	for ( const Act& act : acts )
+	{
+		if ( act.files.empty() )
+		{
+			stage.change( act.step, options.steps );
+		}
+		for ( const TrajectoryFile& file : act.files )
+		{
+			driver.drive( file );
+		}
+	}
+	std::vector<OutputFile*> out;
+	if ( !options.report.empty() )
+	{
+		Json json;
+		json[options.steps.empty() ? "trajectory" : "steps_file"] =
+		    options.steps.empty() ? options.trajectory : options.steps;
+		json["robot"] = input.robot.name;
+		json["group"] = group;
+		json["audit"] = toJson( driver.whole() );
+		if ( !options.steps.empty() )
+		{
+			json["steps"] = driver.steps;
+		}
+		report.text = jsonText( json );
+		out.push_back( &report );
+	}
+	if ( !options.profile.empty() )
+	{
+		profile_file.text = driver.profile;
+		out.push_back( &profile_file );
+	}
+	if ( view.isWanted() )
+	{
+		const std::shared_ptr<const io::Problem> problem = driver.use( driver.shown_group );
+		PageInput page = pageOf( input, *problem,
+		    motionOfTrajectory( *problem, driver.all, settings.edge.flags, options.trajectory ), settings.edge.flags );
+		page.min_d = settings.edge.min_d;
+		page.source = options.trajectory;
+		page.notes = driver.whole().problems;
+		view.write( page, out );
+	}
+	commitTogether( out );
+	printOut( ( options.steps.empty() ? "" : driver.told ) + describe( driver.whole() ) );
+	return driver.whole().valid() ? exit_yes : exit_no;
+}
+
+} // namespace leeway::cli

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway view: a page with robot, scene, motion and clearances.
+#include "program/page_file.hpp"
+#include "program/states.hpp"
+
+#include "leeway/prepare.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace leeway::cli
+{
+namespace
+{
+
+/// One of the three sources of a motion, read; none: the start state alone.
+struct Source
+{
+	std::optional<PathFile> path;
+	std::vector<TrajectoryFile> trajectories;
+	std::optional<CsvTable> states;
+	std::string file;
+};
+
+Source readSource( const ViewOptions& options )
+{
+	Source source;
+	if ( !options.path.empty() )
+	{
+		source.path = readPath( options.path );
+		readsFile( "--path", options.path );
+	}
+	else if ( !options.trajectory.empty() )
+	{
+		source.trajectories = readTrajectories( options.trajectory );
+		readsFile( "--trajectory", options.trajectory );
+	}
+	else if ( !options.states.empty() )
+	{
+		source.states = readCsv( options.states );
+		readsFile( "--states", options.states );
+	}
+	source.file = options.path + options.trajectory + options.states;
+	return source;
+}
+
+Workbench makeBench( const Source& source, const ViewOptions& options, const Input& input, Notices& notices )
+{
+	std::string group = options.common.group;
+	Values start;
+	std::vector<io::Notice> unused;
+	if ( source.path )
+	{
+		group = groupOf( *source.path, group, input.robot );
+		start = startValues( *source.path, input.robot, unused );
+	}
+	else if ( !source.trajectories.empty() )
+	{
+		group = groupOf( source.trajectories.front(), group, input.robot );
+		start = startValues( source.trajectories, input.robot, unused );
+	}
+	notices.add( "unused joints", unused );
+	return Workbench( input, group, start, notices );
+}
+
+/// The rows of a table as states of the group. Joints outside of the group stand still on a page: they must not change.
+std::vector<std::vector<double>> statesOf(
+    const CsvTable& table, const std::string& file, const Input& input, Workbench& bench, Notices& notices )
+{
+	const StateColumns columns( table, "", bench, input.robot, notices );
+	std::vector<std::vector<double>> states;
+	for ( std::size_t row = 0; row < table.rows.size(); ++row )
+	{
+		const std::vector<double> full = columns.full( row, bench.problem().reference );
+		if ( bench.use( full ) && row > 0 )
+		{
+			throw io::Error( file, fmt::format( "line {}", table.rows[row].line ),
+			    "moves a joint outside of the group, and a page shows one group",
+			    "leave out --group, or name a group with all joints that move" );
+		}
+		states.push_back( bench.groupState( full ) );
+	}
+	if ( states.empty() )
+	{
+		throw io::Error( file, "rows", "there are none", "give at least one state" );
+	}
+	return states;
+}
+
+ViewMotion motionOf(
+    const Source& source, const ViewOptions& options, const Input& input, Workbench& bench, Notices& notices )
+{
+	const lw_check_flags flags = options.common.checkFlags();
+	const io::Problem& problem = bench.problem();
+	Progress progress( "measuring the motion" );
+	if ( source.path )
+	{
+		return motionOfPath( problem, groupPoints( *source.path, problem ), flags, source.file, shownBy( progress ) );
+	}
+	if ( !source.trajectories.empty() )
+	{
+		std::vector<Segment> segments;
+		for ( const TrajectoryFile& file : source.trajectories ) // driven one after the other
+		{
+			const double begin = segments.empty() ? 0 : segments.back().begin + segments.back().seconds;
+			const std::vector<Segment> more = segmentsOf( problem, file, Interpolation::automatic, begin );
+			segments.insert( segments.end(), more.begin(), more.end() );
+		}
+		return motionOfTrajectory( problem, segments, flags, source.file, shownBy( progress ) );
+	}
+	if ( source.states )
+	{
+		const std::vector<std::vector<double>> states = statesOf( *source.states, source.file, input, bench, notices );
+		return motionOfStates( bench.problem(), states, {}, flags, source.file );
+	}
+	return motionOfStates( problem, { io::startState( problem ) }, {}, flags, options.common.robot );
+}
+
+} // namespace
+
+int runView( const ViewOptions& options )
+{
+	Notices notices( options.common.verbose );
+	requireView( "view" );
+	const Source source = readSource( options );
+	std::optional<OutputFile> out, png;
+	if ( !options.out.empty() )
+	{
+		out.emplace( "--out", options.out );
+	}
+	if ( !options.picture.file.empty() )
+	{
+		png.emplace( "--png", options.picture.file );
+	}
+	const Input input = loadInput( options.common, notices );
+	Workbench bench = makeBench( source, options, input, notices );
+	(void)prepare( bench.checker() ); // a mesh that cannot be made ends the first state that needs it
+	ViewMotion motion = motionOf( source, options, input, bench, notices );
+	PageInput page = pageOf( input, bench.problem(), std::move( motion ), options.common.checkFlags() );
+	page.min_d = options.common.min_d_given || !source.path ? options.common.min_d : source.path->min_d;
+	page.triangles = options.triangles;
+	page.live = !options.stored;
+	page.source = source.file;
+	page.notes = notices.all();
+	Progress progress( "making the page" );
+	page.progress = shownBy( progress );
+	const std::string html = pageHtml( page );
+	std::vector<OutputFile*> files;
+	if ( out )
+	{
+		out->text = html;
+		files.push_back( &*out );
+	}
+	if ( png )
+	{
+		png->text = pagePicture( html, options.picture );
+		files.push_back( &*png );
+	}
+	commitTogether( files );
+	if ( out )
+	{
+		tell( "leeway: {}: {:.1f} MB; open it in a browser\n", options.out, 1e-6 * static_cast<double>( html.size() ) );
+	}
+	return exit_yes;
+}
+
+} // namespace leeway::cli

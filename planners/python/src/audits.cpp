@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Audits of paths and trajectories, analyses of link pairs, and tuning: the libraries of the program leeway, and their reports as dicts.
+#include "objects.hpp"
+
+#include "motions/report.hpp"
+#include "pairs/report.hpp"
+#include "tune/report.hpp"
+
+#include "leeway/motions/motion_files.hpp"
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <cmath>
+#include <limits>
+
+namespace leeway::python
+{
+
+namespace
+{
+
+using namespace nb::literals;
+
+/// A report as the program writes it into a file, read by Python: the same keys, and the same numbers in all digits.
+nb::object dictOf( const motions::Json& json )
+{
+	return nb::module_::import_( "json" ).attr( "loads" )( nb::str( motions::jsonText( json ).c_str() ) );
+}
+
+/// Lets Ctrl-C end a long call.
+motions::ProgressFunction interruptible()
+{
+	return []( const char*, double )
+	{
+		const nb::gil_scoped_acquire locked;
+		if ( PyErr_CheckSignals() != 0 )
+		{
+			throw nb::python_error();
+		}
+	};
+}
+
+/// The name of a file; empty for an array.
+std::string fileName( const nb::object& given )
+{
+	if ( nb::isinstance<nb::str>( given ) || nb::hasattr( given, "__fspath__" ) )
+	{
+		return nb::cast<std::string>( nb::module_::import_( "os" ).attr( "fspath" )( given ) );
+	}
+	return "";
+}
+
+struct Path
+{
+	std::string file;
+	std::vector<std::vector<double>> points; ///< group states
+};
+
+Path pathOf( const PyChecker& checker, const nb::object& given )
+{
+	Path path{ fileName( given ), {} };
+	if ( !path.file.empty() )
+	{
+		path.points = motions::groupPoints( motions::readPath( path.file ), *checker.problem );
+		return path;
+	}
+	path.file = "path";
+	const Doubles numbers = nb::cast<Doubles>( given );
+	const Rows rows = rowsOf( numbers, checker.variables(), "path", "variables of the group" );
+	for ( std::size_t i = 0; i < rows.count; ++i )
+	{
+		path.points.emplace_back( rows[i], rows[i] + rows.width );
+	}
+	if ( path.points.empty() )
+	{
+		throw nb::value_error( "path: has no state" );
+	}
+	return path;
+}
+
+std::vector<double> toleranceOf( const PyChecker& checker, const std::string& file, const std::map<std::string, double>& of_goal,
+    const nb::object& given )
+{
+	std::vector<motions::Tolerance> tolerances;
+	if ( !given.is_none() )
+	{
+		const Doubles numbers = nb::cast<Doubles>( given );
+		const double* values = vectorOf( numbers, checker.variables(), "tolerance", "variables of the group" );
+		for ( std::size_t v = 0; v < checker.variables(); ++v )
+		{
+			const std::string& name = checker.problem->variable_names[v];
+			tolerances.push_back( { name, values[v], "tolerance", name } );
+		}
+	}
+	return motions::tolerances( *checker.problem, file, of_goal, tolerances );
+}
+
+nb::object auditPath( const PyChecker& checker, const nb::object& given, double min_d, const std::string& check, double resolution,
+    double seconds )
+{
+	const Path path = pathOf( checker, given );
+	motions::AuditSettings settings;
+	settings.min_d = min_d;
+	settings.flags = checkFlags( check );
+	settings.resolution = resolution;
+	settings.time = seconds;
+	settings.progress = interruptible();
+	motions::Audit audit;
+	{
+		const nb::gil_scoped_release unlocked;
+		audit = motions::auditPath( *checker.problem, path.points, settings, path.file );
+	}
+	return dictOf( toJson( audit, settings ) );
+}
+
+nb::object auditRoundings( const PyChecker& checker, const nb::object& given, double radius, double min_d, double slack,
+    const std::string& check, const nb::object& tolerance )
+{
+	const Path path = pathOf( checker, given );
+	const std::vector<double> tolerances = toleranceOf( checker, "tolerance", {}, tolerance );
+	lw_edge_def def = lw_edge_def_default();
+	def.min_d = min_d;
+	def.slack = slack;
+	def.flags = checkFlags( check );
+	def.tolerance = tolerances.empty() ? nullptr : tolerances.data();
+	motions::RoundingAudit audit;
+	{
+		const nb::gil_scoped_release unlocked;
+		audit = motions::auditRoundings( *checker.problem, path.points, radius, def, path.file );
+	}
+	return dictOf( toJson( audit ) );
+}
+
+motions::JointLimits limitsOf( const nb::object& given )
+{
+	motions::JointLimits limits;
+	const std::string file = fileName( given );
+	if ( !file.empty() )
+	{
+		return motions::readJointLimits( file );
+	}
+	if ( given.is_none() )
+	{
+		return limits;
+	}
+	for ( const auto& [joint, entry] : nb::cast<nb::dict>( given ) )
+	{
+		const auto name = nb::cast<std::string>( joint );
+		for ( const auto& [key, value] : nb::cast<nb::dict>( entry ) )
+		{
+			const auto what = nb::cast<std::string>( key );
+			const double number = nb::cast<double>( value );
+			if ( ( what != "max_velocity" && what != "max_acceleration" ) || !( number > 0 && std::isfinite( number ) ) )
+			{
+				throw nb::value_error(
+				    ( "joint_limits: " + name + ": give max_velocity and max_acceleration, numbers above 0" ).c_str() );
+			}
+			( what == "max_velocity" ? limits.velocity : limits.acceleration )[name] = number;
+		}
+	}
+	return limits;
+}
+
+motions::Interpolation interpolationOf( const std::string& name )
+{
+	for ( const auto& [known, value] : { std::pair( "auto", motions::Interpolation::automatic ),
+	          std::pair( "linear", motions::Interpolation::linear ), std::pair( "cubic", motions::Interpolation::cubic ),
+	          std::pair( "quintic", motions::Interpolation::quintic ) } )
+	{
+		if ( name == known )
+		{
+			return value;
+		}
+	}
+	throw nb::value_error( ( "interpolation: '" + name + "' is none of auto, linear, cubic, quintic" ).c_str() );
+}
+
+nb::object auditTrajectory( const PyChecker& checker, const nb::object& times, const nb::object& positions,
+    const nb::object& velocities, const nb::object& accelerations, const std::string& interpolation, const nb::object& joint_limits,
+    double min_d, double slack, const std::string& check, const nb::object& tolerance )
+{
+	const std::string file = fileName( times );
+	const std::vector<motions::TrajectoryFile> files =
+	    file.empty() ? std::vector<motions::TrajectoryFile>{ trajectoryOf( checker, nb::cast<Doubles>( times ), positions, velocities, accelerations ) }
+	                 : motions::readTrajectories( file );
+	motions::TrajectorySettings settings;
+	settings.edge.min_d = min_d;
+	settings.edge.slack = slack;
+	settings.edge.flags = checkFlags( check );
+	settings.interpolation = interpolationOf( interpolation );
+	settings.limits = limitsOf( joint_limits );
+	motions::Drive drive;
+	for ( const motions::TrajectoryFile& trajectory : files )
+	{
+		settings.tolerance = toleranceOf( checker, trajectory.file, trajectory.path_tolerance, tolerance );
+		const nb::gil_scoped_release unlocked;
+		drive.add( *checker.problem, *checker.model, trajectory, settings );
+	}
+	return dictOf( toJson( drive.whole() ) );
+}
+
+nb::object analysePairs( const PyRobot& robot, double seconds, const Whole& samples, const Whole& seed,
+    const Whole& never_after, const std::string& cache, bool srdf )
+{
+	pairs::Settings settings;
+	settings.reach.cache = cache;
+	settings.reach.def.seconds = seconds;
+	constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+	settings.samples = { static_cast<std::uint32_t>( samples.in( "samples", 0, most ) ), seed.seed(),
+	    static_cast<std::uint32_t>( never_after.in( "never_after", 0, most ) ), interruptible() };
+	settings.new_srdf = srdf;
+	motions::Json json;
+	{
+		const nb::gil_scoped_release unlocked;
+		const pairs::Analysis analysis( *robot.model, settings );
+		json = toJson( analysis, *robot.model, settings );
+		if ( analysis.srdf )
+		{
+			json["new_srdf"] = analysis.srdf->document.text;
+		}
+	}
+	return dictOf( json );
+}
+
+nb::object tuneChecks( const PyChecker& checker, double min_d, double max_d, const std::string& check, std::size_t states,
+    std::size_t edges, std::uint64_t seed, const std::string& target, double value, double rate )
+{
+	tune::Settings settings;
+	settings.min_d = min_d;
+	settings.max_d = max_d;
+	settings.flags = checkFlags( check );
+	settings.states = states;
+	settings.motions = edges;
+	settings.seed = seed;
+	settings.rate = rate;
+	settings.target.value = value;
+	settings.target.kind = target == "microseconds"   ? tune::Target::TIME
+	                       : target == "error"        ? tune::Target::ERROR
+	                       : target == "conservatism" ? tune::Target::CONSERVATISM
+	                                                  : tune::Target::NONE;
+	settings.progress = interruptible();
+	motions::Json json;
+	{
+		const nb::gil_scoped_release unlocked;
+		json = toJson( tune::tune( *checker.problem, settings, checker.model->urdf_file ), settings );
+	}
+	return dictOf( json );
+}
+
+} // namespace
+
+motions::TrajectoryFile trajectoryOf( const PyChecker& checker, const Doubles& times, const nb::object& positions,
+    const nb::object& velocities, const nb::object& accelerations )
+{
+	motions::TrajectoryFile trajectory;
+	trajectory.file = "trajectory";
+	trajectory.joint_names = checker.problem->variable_names;
+	const auto refuse = []( const std::string& text ) { throw nb::value_error( text.c_str() ); };
+	const auto read = [&]( const nb::object& given, const char* name, std::vector<double> motions::TrajectoryPoint::*member )
+	{
+		if ( given.is_none() )
+		{
+			return;
+		}
+		const Doubles numbers = nb::cast<Doubles>( given );
+		const Rows rows = rowsOf( numbers, checker.variables(), name, "variables of the group" );
+		if ( trajectory.points.empty() )
+		{
+			trajectory.points.resize( rows.count );
+		}
+		if ( rows.count != trajectory.points.size() )
+		{
+			refuse( std::string( name ) + ": " + std::to_string( rows.count ) + " rows beside " +
+			        std::to_string( trajectory.points.size() ) + " positions" );
+		}
+		for ( std::size_t i = 0; i < rows.count; ++i )
+		{
+			( trajectory.points[i].*member ).assign( rows[i], rows[i] + rows.width );
+		}
+	};
+	if ( positions.is_none() )
+	{
+		refuse( "positions: are missing" );
+	}
+	read( positions, "positions", &motions::TrajectoryPoint::positions );
+	const double* t = vectorOf( times, trajectory.points.size(), "times", "seconds, one for each position" );
+	read( velocities, "velocities", &motions::TrajectoryPoint::velocities );
+	read( accelerations, "accelerations", &motions::TrajectoryPoint::accelerations );
+	if ( trajectory.points.size() < 2 || ( velocities.is_none() && !accelerations.is_none() ) )
+	{
+		refuse( "positions: a trajectory has at least 2, and velocities if it has accelerations" );
+	}
+	for ( std::size_t i = 0; i < trajectory.points.size(); ++i )
+	{
+		trajectory.points[i].time = t[i];
+		if ( !std::isfinite( t[i] ) || ( i > 0 && !( t[i] > t[i - 1] ) ) )
+		{
+			refuse( "times[" + std::to_string( i ) + "]: is not after the time before it" );
+		}
+	}
+	return trajectory;
+}
+
+void bindAudits( nb::module_& module, nb::class_<PyChecker>& type )
+{
+	constexpr double slack = 1e-3;
+	const motions::AuditSettings usual;
+	type.def( "audit", &auditPath, "path"_a, nb::kw_only(), "min_d"_a = 0.0, "check"_a = "both", "resolution"_a = usual.resolution,
+	    "seconds"_a = usual.time,
+	    nb::sig( "def audit(self, path: numpy.typing.ArrayLike | str | os.PathLike, *, min_d: float = 0.0, check: str = 'both', "
+	             "resolution: float = 0.0001, seconds: float = 60.0) -> dict[str, typing.Any]" ),
+	    "Measures a path by dense exact states, without the proofs of edges: the audit of `leeway audit`.\n\n"
+	    "path: float64 [n, dof], or a path file of `leeway plan`. resolution: metres, near contact no robot point moves farther between\n"
+	    "two states. seconds: then it ends, and the path is not valid. Returns the program's report: valid, problems, states, length, and\n"
+	    "of environment and self the least clearance with its pair and place, also between the states; profile in hundredths." );
+	type.def( "audit_roundings", &auditRoundings, "path"_a, "radius"_a, nb::kw_only(), "min_d"_a = 0.0, "slack"_a = slack,
+	    "check"_a = "both", "tolerance"_a = nb::none(),
+	    nb::sig( "def audit_roundings(self, path: numpy.typing.ArrayLike | str | os.PathLike, radius: float, *, min_d: float = 0.0, "
+	             "slack: float = 0.001, check: str = 'both', tolerance: numpy.typing.ArrayLike | None = None) -> dict[str, typing.Any]" ),
+	    "Proves a path and all roundings of its corners that stay within `radius` (radians, metres) of them: `leeway audit --corner-blend`.\n\n"
+	    "Returns the program's report: verdict, corners, lower_bound; not FREE: the point, pair, clearance, state, and free_radius." );
+	type.def( "audit_trajectory", &auditTrajectory, "times"_a, "positions"_a = nb::none(), "velocities"_a = nb::none(),
+	    "accelerations"_a = nb::none(), nb::kw_only(), "interpolation"_a = "auto", "joint_limits"_a = nb::none(), "min_d"_a = 0.0,
+	    "slack"_a = slack, "check"_a = "both", "tolerance"_a = nb::none(),
+	    nb::sig( "def audit_trajectory(self, times: numpy.typing.ArrayLike | str | os.PathLike, positions: numpy.typing.ArrayLike | None = None, "
+	             "velocities: numpy.typing.ArrayLike | None = None, accelerations: numpy.typing.ArrayLike | None = None, *, "
+	             "interpolation: str = 'auto', joint_limits: str | os.PathLike | dict[str, dict[str, float]] | None = None, "
+	             "min_d: float = 0.0, slack: float = 0.001, check: str = 'both', tolerance: numpy.typing.ArrayLike | None = None) -> "
+	             "dict[str, typing.Any]" ),
+	    "Proves a timed trajectory at all times, and compares its positions, velocities and accelerations with their limits: `leeway audit\n"
+	    "--trajectory`.\n\n"
+	    "times: a file (JointTrajectory, RobotTrajectory, DisplayTrajectory, FollowJointTrajectory goal, CSV), or float64 [n] seconds with\n"
+	    "positions, velocities, accelerations float64 [n, dof]. joint_limits: MoveIt's joint_limits.yaml, or {joint: {\"max_velocity\": x,\n"
+	    "\"max_acceleration\": y}}; other velocities are those of the URDF. tolerance: float64 [dof]. Returns the program's report: valid,\n"
+	    "verdict, lower_bound, problems (limits, jumps), the first violation with time, pair, clearance and state." );
+	const pairs::Settings reach;
+	module.def( "pairs", &analysePairs, "robot"_a, nb::kw_only(), "seconds"_a = 15.0,
+	    "samples"_a.none() = reach.reach.def.samples, "seed"_a.none() = reach.reach.def.seed, "never_after"_a.none() = 0,
+	    "cache"_a = "", "srdf"_a = false,
+	    nb::sig( "def pairs(robot: Robot, *, seconds: float = 15.0, samples: int = 2000, seed: int = 1, "
+	             "never_after: int = 0, cache: str = '', srdf: bool = False) -> dict[str, typing.Any]" ),
+	    "The pairs of links that can ever meet, findings about the SRDF, and random states: the report of `leeway pairs`.\n\n"
+	    "seconds: for proofs. samples: random states. never_after: disable also pairs without contact in so many states. srdf: make an\n"
+	    "SRDF with computed pairs, its text is `new_srdf`. All cores work. Raises InputError." );
+	module.def( "_tune", &tuneChecks );
+}
+
+} // namespace leeway::python

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The smoother. Papers: Geraerts and Overmars, Creating high-quality paths for motion planning (IJRR 2007), partial shortcuts; corners
+// cut at midpoints are a step of Chaikin's subdivision, whose limit is a quadratic B-spline.
+#include "leeway/planners/smooth.hpp"
+
+#include "samples.hpp"
+#include "space.hpp"
+#include "validator.hpp"
+
+#include <algorithm>
+
+namespace leeway::planners
+{
+
+namespace
+{
+
+constexpr std::size_t most_states = 200; // no corners are cut in longer paths
+constexpr unsigned corner_tries = 2;     // a corner is cut at the middle of its edges, then at a quarter
+constexpr double least_piece = 0.02;     // share of an edge: points nearer to a state are replaced by the state
+constexpr double least_corner = 1e-3;    // share of the path's length that a cut corner has to save
+
+/// A place on the path: a state, or a point between it and the next.
+struct Place
+{
+	std::size_t edge; ///< from state `edge` to the next
+	double t;         ///< [0, 1)
+};
+
+class Smoother
+{
+public:
+	Smoother( const lw_checker* checker, lw_query* query, const SmoothSettings& settings, const Stop& stop, Path& path,
+	    Statistics& statistics )
+	    : m_settings( settings ), m_space( Space::ofLimits( checker ) ), m_validator( checker, query, settings.edge, statistics ),
+	      m_deadline( stop ), m_random( settings.seed ), m_path( path )
+	{
+	}
+
+	lw_status run()
+	{
+		double length = total();
+		for ( unsigned round = 0; round < m_settings.rounds && m_path.count() > 2 && !over(); ++round )
+		{
+			joinStates();
+			joinPoints();
+			cutCorners();
+			const double shorter = total();
+			if ( shorter > ( 1 - m_settings.gain ) * length )
+			{
+				break;
+			}
+			length = shorter;
+		}
+		if ( !over() )
+		{
+			joinStates();
+		}
+		return m_validator.status();
+	}
+
+	double total() const
+	{
+		double sum = 0;
+		for ( std::size_t i = 0; i + 1 < m_path.count(); ++i )
+		{
+			sum += m_space.distance( m_path[i], m_path[i + 1] );
+		}
+		return sum;
+	}
+
+private:
+	bool over() { return m_deadline.over() || m_validator.status() != LW_OK; }
+
+	/// Two of three long shortcuts fail, nearly all of them at one of the states that are looked at first.
+	bool isFree( const double* a, const double* b )
+	{
+		return m_space.partCount( a, b ) == 1 && m_validator.seemsFree( m_space, a, b ) && m_validator.isEdgeFree( a, b );
+	}
+
+	/// Replaces the states strictly between `first` and `last` by the given ones.
+	void replace( std::size_t first, std::size_t last, const std::vector<double>& states )
+	{
+		const auto at = [&]( std::size_t i )
+		{ return m_path.values.begin() + static_cast<std::ptrdiff_t>( i * m_path.dimension ); };
+		const auto place = m_path.values.erase( at( first + 1 ), at( last ) );
+		m_path.values.insert( place, states.begin(), states.end() );
+	}
+
+	/// From each state straight to the last state that can be reached.
+	void joinStates()
+	{
+		for ( std::size_t i = 0; i + 2 < m_path.count(); ++i )
+		{
+			for ( std::size_t j = m_path.count() - 1; j > i + 1 && !over(); --j )
+			{
+				if ( isFree( m_path[i], m_path[j] ) )
+				{
+					replace( i, j, {} );
+					break;
+				}
+			}
+		}
+	}
+
+	/// A place at this share of the path's length.
+	Place placeAt( double share, double length ) const
+	{
+		double rest = share * length;
+		for ( std::size_t i = 0; i + 2 < m_path.count(); ++i )
+		{
+			const double edge = m_space.distance( m_path[i], m_path[i + 1] );
+			if ( rest < edge )
+			{
+				return snapped( { i, rest / edge } );
+			}
+			rest -= edge;
+		}
+		const std::size_t last = m_path.count() - 2;
+		return snapped( { last, std::min( rest / m_space.distance( m_path[last], m_path[last + 1] ), 1.0 ) } );
+	}
+
+	static Place snapped( Place place )
+	{
+		const bool at_end = place.t > 1 - least_piece;
+		return { place.edge + at_end, at_end || !( place.t >= least_piece ) ? 0 : place.t };
+	}
+
+	/// Appends the place's state.
+	void append( const Place& place, std::vector<double>& out ) const
+	{
+		const std::size_t size = m_path.dimension;
+		out.insert( out.end(), m_path[place.edge], m_path[place.edge] + size );
+		if ( place.t > 0 )
+		{
+			m_space.between( m_path[place.edge], m_path[place.edge + 1], place.t, out.data() + out.size() - size );
+		}
+	}
+
+	/// Joins two places by a straight edge if that, and the rest of their edges, are free.
+	bool join( const Place& from, const Place& to )
+	{
+		m_new.clear();
+		append( from, m_new );
+		append( to, m_new );
+		const double *p = m_new.data(), *q = p + m_path.dimension;
+		const std::size_t after = to.edge + ( to.t > 0 ? 1 : 0 ); // the first state that stays
+		if ( !isFree( p, q ) || ( from.t > 0 && !isFree( m_path[from.edge], p ) ) || ( to.t > 0 && !isFree( q, m_path[after] ) ) )
+		{
+			return false;
+		}
+		if ( to.t <= 0 )
+		{
+			m_new.resize( m_path.dimension );
+		}
+		if ( from.t <= 0 )
+		{
+			m_new.erase( m_new.begin(), m_new.begin() + static_cast<std::ptrdiff_t>( m_path.dimension ) );
+		}
+		replace( from.edge, after, m_new );
+		return true;
+	}
+
+	void joinPoints()
+	{
+		for ( unsigned k = 0; k < m_settings.shortcuts && m_path.count() > 2 && !over(); ++k )
+		{
+			const double length = total(), u = m_random.uniform(), v = m_random.uniform();
+			const Place from = placeAt( std::min( u, v ), length ), to = placeAt( std::max( u, v ), length );
+			const std::size_t last = to.t > 0 ? to.edge : to.edge - 1;
+			if ( to.edge > from.edge && last > from.edge )
+			{
+				join( from, to );
+			}
+		}
+	}
+
+	/// Each corner between points of its two edges: the middles, or a quarter of the way.
+	void cutCorners()
+	{
+		const double worth = least_corner * total();
+		for ( std::size_t i = 1; i + 1 < m_path.count() && m_path.count() < most_states; ++i )
+		{
+			double share = 0.5;
+			for ( unsigned k = 0; k < corner_tries && !over(); ++k, share /= 2 )
+			{
+				const double *a = m_path[i - 1], *v = m_path[i], *b = m_path[i + 1];
+				m_corner.resize( 2 * m_path.dimension );
+				m_space.between( v, a, share, m_corner.data() );
+				m_space.between( v, b, share, m_corner.data() + m_path.dimension );
+				const double saved = share * ( m_space.distance( a, v ) + m_space.distance( v, b ) ) -
+				                     m_space.distance( m_corner.data(), m_corner.data() + m_path.dimension );
+				if ( saved < worth )
+				{
+					break;
+				}
+				if ( join( { i - 1, 1 - share }, { i, share } ) )
+				{
+					++i; // the corner is two states now
+					break;
+				}
+			}
+		}
+	}
+
+	const SmoothSettings& m_settings;
+	Space m_space;
+	Validator m_validator;
+	Deadline m_deadline;
+	Random m_random;
+	Path& m_path;
+	std::vector<double> m_new, m_corner;
+};
+
+} // namespace
+
+lw_status smooth( const lw_checker* checker, lw_query* query, const SmoothSettings& settings, const Stop& stop, Path& path,
+    Statistics* statistics )
+{
+	if ( path.dimension == 0 || path.dimension != lw_checker_variable_count( checker ) ||
+	     path.values.size() % path.dimension != 0 )
+	{
+		throw InputError( "leeway::planners: smooth: the path's dimension is not the checker's; give states of its group" );
+	}
+	if ( !( settings.gain >= 0 ) )
+	{
+		throw InputError( "leeway::planners: SmoothSettings: gain must be at least 0" );
+	}
+	Statistics unused;
+	lw_query_reset( query );
+	return Smoother( checker, query, settings, stop, path, statistics != nullptr ? *statistics : unused ).run();
+}
+
+double length( const lw_checker* checker, const Path& path )
+{
+	const Space space = Space::ofLimits( checker );
+	double sum = 0;
+	for ( std::size_t i = 0; i + 1 < path.count(); ++i )
+	{
+		sum += space.distance( path[i], path[i + 1] );
+	}
+	return sum;
+}
+
+} // namespace leeway::planners
