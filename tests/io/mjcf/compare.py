@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Compares leeway's reading of MJCF models with MuJoCo's: poses of all bodies at random states, shapes, limits, pairs.
 
-    compare.py --poses build/bin/mjcf_poses [--states 100] [--json table.json] MODEL.xml...
+    compare.py --poses build/bin/mjcf_poses [--states 100] [--json rows.json] [--table rows.md] [--folder FOLDER] [MODEL.xml...]
 
 MuJoCo is the package of that name. A row for each model; exit status 1 if one of them differs, or is refused and not named by
 --refused. Distances are metres; MuJoCo keeps vertices of meshes as floats, so hulls are compared to 1e-6 of their size.
@@ -294,26 +294,57 @@ def compare(program, path, count):
     return row
 
 
+def models_in(folder):
+    """MJCF files below a folder, by name; parts that only others include are among them."""
+    return [str(path) for path in sorted(folder.rglob("*.xml")) if b"<mujoco" in path.read_bytes()]
+
+
+def as_table(rows):
+    """Markdown: a line for each package (the first folder of a name), then one for each model."""
+    text = "| package | models | equal | refused | differ | MuJoCo refuses | greatest difference of a pose |\n|---|---|---|---|---|---|---|\n"
+    packages = collections.defaultdict(list)
+    for row in rows:
+        packages[row["model"].split("/")[0]].append(row)
+    for package, own in sorted(packages.items()):
+        count = collections.Counter(row["result"] for row in own)
+        poses = [row["pose"] for row in own if "pose" in row]
+        text += f"| {package} | {len(own)} | {count['equal']} | {count['refused']} | {count['differs']} | " \
+                f"{count['refused by both'] + count['read by leeway only']} | {f'{max(poses):.1e}' if poses else ''} |\n"
+    text += "\n| model | result | bodies | pose | reason |\n|---|---|---|---|---|\n"
+    for row in rows:
+        reason = row.get("reason", row.get("mujoco", "")).replace("|", "/").replace("\n", " ")
+        pose = f"{row['pose']:.1e}" if "pose" in row else ""
+        text += f"| {row['model']} | {row['result']} | {row.get('bodies', '')} | {pose} | {reason} |\n"
+    return text
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--poses", required=True, help="the program mjcf_poses")
     parser.add_argument("--states", type=int, default=100)
     parser.add_argument("--json", type=pathlib.Path)
+    parser.add_argument("--table", type=pathlib.Path, help="the rows as Markdown")
+    parser.add_argument("--folder", type=pathlib.Path, help="all models below it; names are relative to it")
     parser.add_argument("--refused", action="append", default=[], help="end of the name of a model that may be refused")
-    parser.add_argument("models", nargs="+")
+    parser.add_argument("models", nargs="*")
     options = parser.parse_args()
     rows, bad = [], 0
-    for path in options.models:
+    for path in options.models + (models_in(options.folder) if options.folder else []):
         row = compare(options.poses, path, options.states)
+        for key in ("model", "reason", "mujoco"):
+            if options.folder and key in row:
+                row[key] = row[key].replace(f"{options.folder}/", "")
         rows.append(row)
         expected = row["result"] in ("equal", "refused by both", "read by leeway only") or \
             row["result"] == "refused" and path.endswith(tuple(options.refused))
         bad += not expected
-        print(row["result"], path, row.get("reason", ""), f"pose {row['pose']:.1e}" if "pose" in row else "", flush=True)
+        print(row["result"], row["model"], row.get("reason", ""), f"pose {row['pose']:.1e}" if "pose" in row else "", flush=True)
     if options.json:
         options.json.write_text(json.dumps(rows, indent=1) + "\n")
+    if options.table:
+        options.table.write_text(as_table(rows))
     print(collections.Counter(row["result"] for row in rows))
-    return 1 if bad else 0
+    return 1 if bad or not rows else 0
 
 
 if __name__ == "__main__":

@@ -86,6 +86,7 @@ int run( const char* file )
 {
 	LoadOptions options;
 	options.defer = false;
+	options.strict = true; // without pairs of neighbours, which the file does not allow
 	const RobotModel model = loadRobot( file, "", options );
 	const leeway::Robot robot = buildRobot( model );
 	printModel( model );

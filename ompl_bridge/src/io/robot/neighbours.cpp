@@ -142,7 +142,7 @@ std::vector<LinkPair> NeighbourFinder::pairsToTry() const
 	return pairs;
 }
 
-/// Poses of all links: at the default state, then at random ones. Joints without limits turn once and shift by a metre.
+/// Poses of all links: at the default state, then at random ones. Joints without limits turn once and shift by a metre. Empty: unknown.
 std::vector<lw_transform> NeighbourFinder::posesAt( std::size_t state, std::mt19937_64& random ) const
 {
 	const lw_robot* robot = m_robot.get();
@@ -196,7 +196,7 @@ void NeighbourFinder::findTouching()
 	for ( std::size_t state = 0; state <= state_count && !pairs.empty(); ++state )
 	{
 		const std::vector<lw_transform> poses = posesAt( state, random );
-		const auto apart = [&]( const LinkPair& pair ) { return !poses.empty() && !touch( pair, poses ); };
+		const auto apart = [&]( const LinkPair& pair ) { return poses.empty() || !touch( pair, poses ); }; // unknown: checked
 		pairs.erase( std::remove_if( pairs.begin(), pairs.end(), apart ), pairs.end() );
 	}
 	for ( const auto& [a, b] : pairs )
@@ -207,11 +207,10 @@ void NeighbourFinder::findTouching()
 
 } // namespace
 
-void allowNeighbours( RobotModel& model )
+void allowNeighbours( RobotModel& model, bool joined )
 {
 	NeighbourFinder finder( model );
-	const bool is_mjcf = !model.groups.empty() || !model.disabled.empty();
-	if ( !is_mjcf )
+	if ( joined )
 	{
 		finder.findJoined();
 	}
@@ -224,12 +223,11 @@ void allowNeighbours( RobotModel& model )
 	for ( const DisabledPair& pair : finder.found )
 	{
 		names.push_back( fmt::format( "{} - {} ({})", pair.link1, pair.link2,
-		    pair.reason.compare( 0, 6, "Always" ) == 0 ? "in contact in all of the states tried"
-		                                               : pair.reason.substr( 10, pair.reason.size() - 11 ) ) );
+		    pair.reason.compare( 0, 6, "Always" ) == 0 ? "always in contact" : pair.reason.substr( 10, pair.reason.size() - 11 ) ) );
 	}
 	model.report.notices.push_back( { model.urdf_file, "no SRDF",
 	    fmt::format( "contact of {} pairs of links is allowed, and checked with --strict: {}", finder.found.size(),
-	        joinNames( names ) ) } );
+	        joinNames( names, names.size() ) ) } );
 	model.disabled.insert( model.disabled.end(), finder.found.begin(), finder.found.end() );
 }
 

@@ -700,11 +700,15 @@ RobotModel readUrdf( XmlFile& xml, const LoadOptions& options )
 	return model;
 }
 
+bool isMjcf( const XmlFile& xml )
+{
+	const XMLElement* root = xml.document().RootElement();
+	return root != nullptr && std::strcmp( root->Name(), "mujoco" ) == 0;
+}
+
 RobotModel readRobot( std::unique_ptr<XmlFile> xml, const LoadOptions& options )
 {
-	const XMLElement* root = xml->document().RootElement();
-	const bool mjcf = root != nullptr && std::strcmp( root->Name(), "mujoco" ) == 0;
-	return mjcf ? readMjcf( std::move( xml ), options ) : readUrdf( *xml, options );
+	return isMjcf( *xml ) ? readMjcf( std::move( xml ), options ) : readUrdf( *xml, options );
 }
 
 } // namespace detail
@@ -731,7 +735,9 @@ void noticePackagePaths( const LoadOptions& options, std::vector<Notice>& notice
 
 RobotModel loadRobot( const std::string& urdf_file, const std::string& srdf_file, const LoadOptions& options )
 {
-	RobotModel model = detail::readRobot( std::make_unique<detail::XmlFile>( urdf_file ), options );
+	auto xml = std::make_unique<detail::XmlFile>( urdf_file );
+	const bool mjcf = detail::isMjcf( *xml );
+	RobotModel model = detail::readRobot( std::move( xml ), options );
 	noticePackagePaths( options, model.report.notices );
 	detail::noticeOddSizes( model, model.report.notices );
 	if ( !srdf_file.empty() )
@@ -740,7 +746,7 @@ RobotModel loadRobot( const std::string& urdf_file, const std::string& srdf_file
 	}
 	else if ( !options.strict )
 	{
-		detail::allowNeighbours( model );
+		detail::allowNeighbours( model, !mjcf ); // an MJCF says itself of parent and child
 	}
 	return model;
 }
