@@ -117,6 +117,20 @@ TEST( Kinematics, QuarterTurnGoesCounterClockwiseAboutEachAxis )
 	}
 }
 
+// Beside a component that rounds to 1 the others are up to 1e-8, which is 1e-8 m at an arm's length.
+TEST( Kinematics, AxisBesideACoordinateTurnsAsThatOne )
+{
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		RobotModel model = single( LW_JOINT_REVOLUTE );
+		model.joints[0].axis[0] = model.joints[0].axis[1] = model.joints[0].axis[2] = 0;
+		model.joints[0].axis[axis] = 1;
+		model.joints[0].axis[( axis + 1 ) % 3] = 1e-8;
+		RobotPtr robot = model.create();
+		EXPECT_LE( largestDifference( fk( robot.get(), { 1.5 } )[1], oraclePose( model, robot.get(), 1, { 1.5 } ) ), 1e-15 );
+	}
+}
+
 // Planar joints of URDF and OMPL's SE2: x and y are those of the joint frame, then theta.
 TEST( Kinematics, PlanarAboutZMovesAlongXAndYOfTheJointFrame )
 {

@@ -215,7 +215,8 @@ static void build_axis( lwi_joint* joint, const double axis[3] )
 	joint->axis_sign = 1;
 	for ( int k = 0; k < 3; ++k )
 	{
-		if ( fabs( joint->axis[k] ) == 1 )
+		// beside a component that rounds to 1 the others may be 1e-8
+		if ( fabs( joint->axis[k] ) == 1 && joint->axis[( k + 1 ) % 3] == 0 && joint->axis[( k + 2 ) % 3] == 0 )
 		{
 			joint->axis_kind = (lwi_axis_kind)k;
 			joint->axis_sign = joint->axis[k];

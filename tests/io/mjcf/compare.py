@@ -62,8 +62,13 @@ def name_of(model, kind, index, fallback):
 
 
 def joint_name(model, joint):
+    """Joints without a name have that of their body, those after the first also an underscore for each before."""
+    name = name_of(model, mujoco.mjtObj.mjOBJ_JOINT, joint, None)
+    if name:
+        return name
     body = model.jnt_bodyid[joint]
-    return name_of(model, mujoco.mjtObj.mjOBJ_JOINT, joint, None) or body_name(model, body) + "/joint"
+    before = [j for j in range(model.body_jntadr[body], joint) if not name_of(model, mujoco.mjtObj.mjOBJ_JOINT, j, None)]
+    return body_name(model, body) + "/joint" + "_" * len(before)
 
 
 def body_name(model, body):

@@ -192,10 +192,12 @@ TEST_F( MjcfTest, IncludedFilesStandInPlace )
 TEST_F( MjcfTest, AnEmptyRangeIsNoneAndAutolimitsDecide )
 {
 	const RobotModel model = load(
-	    "<worldbody><body name=\"a\"><joint name=\"j\" range=\"0 0\"/><joint name=\"k\" range=\"-1 1\" limited=\"false\" axis=\"1 0 0\"/>" +
+	    "<worldbody><body name=\"a\"><joint name=\"j\" range=\"0 0\"/><joint name=\"k\" range=\"-1 1\" limited=\"false\" axis=\"1 0 0\"/>"
+	    "<joint name=\"l\" range=\"-inf inf\" axis=\"0 1 0\"/>" +
 	    ball + "</body></worldbody>" );
 	EXPECT_EQ( jointOf( model, "j" ).type, LW_JOINT_CONTINUOUS );
 	EXPECT_EQ( jointOf( model, "k" ).type, LW_JOINT_CONTINUOUS );
+	EXPECT_EQ( jointOf( model, "l" ).type, LW_JOINT_CONTINUOUS );
 	expectBad( "<compiler autolimits=\"false\"/><worldbody><body name=\"a\"><joint name=\"j\" range=\"-1 1\"/>" + ball +
 	               "</body></worldbody>",
 	    { "joint j (line 2)", "autolimits" } );

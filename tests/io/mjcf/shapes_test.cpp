@@ -3,6 +3,7 @@
 #include "mjcf/mjcf_files.hpp"
 
 #include <cstring>
+#include <png.h>
 
 using namespace leeway::io;
 
@@ -174,6 +175,23 @@ TEST_F( MjcfShapes, HeightFieldOfABinaryFile )
 	write( "h.bin", bytes.substr( 0, 20 ) );
 	expectBad( text + "<worldbody><geom type=\"hfield\" hfield=\"h\"/></worldbody>",
 	    { "hfield h (line 2)", "no height field of 2 rows" } );
+}
+
+// Heights of MuJoCo 4.0.0 for such pictures: the red channel, whatever the others are.
+TEST_F( MjcfShapes, HeightFieldOfAColourPictureHasOtherHeights )
+{
+	const unsigned char pixels[] = { 0, 50, 60, 0, 0, 7, 8, 100, 100, 9, 9, 255, 255, 0, 1, 3 };
+	png_image image = {};
+	image.version = PNG_IMAGE_VERSION;
+	image.width = image.height = 2;
+	image.format = PNG_FORMAT_RGBA;
+	std::string file( PNG_IMAGE_PNG_SIZE_MAX( image ), '\0' );
+	png_alloc_size_t size = file.size();
+	ASSERT_NE( png_image_write_to_memory( &image, file.data(), &size, 0, pixels, 0, nullptr ), 0 );
+	write( "h.png", file.substr( 0, size ) );
+	const PlacedShape h = shapes( "<geom type=\"hfield\" hfield=\"h\"/>", "<asset><hfield file=\"h.png\" size=\"1 1 2 1\"/></asset>" ).at( 0 );
+	EXPECT_NEAR( reach( h, 1, -1, 1 ), 1 + 1 + 2, 1e-12 ) << "255: the last pixel is at the greatest x and the least y";
+	EXPECT_NEAR( reach( h, -1, -1, 1 ), 1 + 1 + 2 * 100.0 / 255, 1e-12 );
 }
 
 TEST_F( MjcfShapes, GeomsThatCollideWithNothingAreLeftOutAndNamed )

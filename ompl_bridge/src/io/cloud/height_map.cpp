@@ -242,7 +242,7 @@ TriangleSoup GroundBuilder::build()
 HeightGrid readHeightGrid( const std::string& file )
 {
 	std::string extension = std::filesystem::path( file ).extension().string();
-	HeightGrid grid = extension == ".png" || extension == ".PNG" ? readHeightPng( file ) : readHeightText( file );
+	HeightGrid grid = extension == ".png" || extension == ".PNG" ? readHeightPng( file, false ) : readHeightText( file );
 	if ( grid.columns < 2 || grid.rows < 2 )
 	{
 		throw Error( file, "", fmt::format( "has {} x {} heights", grid.columns, grid.rows ), "give at least 2 x 2" );

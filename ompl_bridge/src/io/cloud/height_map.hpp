@@ -18,7 +18,9 @@ struct HeightGrid
 /// By the file's ending: .png (8 or 16 bits of grey), else text (numbers between commas or blanks, a row a line).
 /// @throws Error with the map's file and the place in it
 HeightGrid readHeightGrid( const std::string& file );
-HeightGrid readHeightPng( const std::string& file );
+/// @param any_picture false: 8 or 16 bits of grey, all others are refused. True: the first channel (red, or grey) of any picture, its
+/// upper 8 bits, as MuJoCo reads them; transparency is passed over
+HeightGrid readHeightPng( const std::string& file, bool any_picture );
 
 /// How a grid lies in its frame.
 struct HeightMapUse

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// PNG pictures as height maps: the grey values as they are in the file, 8 or 16 bits, no gamma.
+// PNG pictures as height maps: the values as they are in the file, no gamma.
 //
 // libpng reports errors by longjmp. The function that it may jump back to holds nothing with a destructor.
 #include "cloud/height_map.hpp"
@@ -34,7 +34,8 @@ struct PngFile
 	std::size_t size = 0, at = 0;
 	char message[160] = "";
 	png_uint_32 width = 0, height = 0;
-	int depth = 0;
+	bool any_picture = false;
+	int depth = 0, stride = 0; ///< bits of a sample; bytes of a pixel
 	std::vector<double>* values = nullptr; ///< rows as they come, the highest y first
 	std::vector<unsigned char>* row = nullptr;
 };
@@ -70,11 +71,16 @@ void readHeader( png_structp png, png_infop info, PngFile& file )
 	file.width = png_get_image_width( png, info );
 	file.height = png_get_image_height( png, info );
 	file.depth = png_get_bit_depth( png, info );
-	if ( png_get_color_type( png, info ) != PNG_COLOR_TYPE_GRAY || ( file.depth != 8 && file.depth != 16 ) )
+	if ( file.any_picture )
+	{
+		png_set_expand( png );
+		png_set_strip_16( png );
+	}
+	else if ( png_get_color_type( png, info ) != PNG_COLOR_TYPE_GRAY || ( file.depth != 8 && file.depth != 16 ) )
 	{
 		png_error( png, "it is not grey of 8 or 16 bits" );
 	}
-	if ( png_get_valid( png, info, PNG_INFO_tRNS ) != 0 )
+	else if ( png_get_valid( png, info, PNG_INFO_tRNS ) != 0 )
 	{
 		png_error( png, "it has transparent parts" );
 	}
@@ -87,6 +93,9 @@ void readHeader( png_structp png, png_infop info, PngFile& file )
 	{
 		png_error( png, "it is interlaced" );
 	}
+	png_read_update_info( png, info );
+	file.depth = png_get_bit_depth( png, info );
+	file.stride = png_get_channels( png, info ) * file.depth / 8;
 }
 
 /// @return false with a message in `file`
@@ -113,7 +122,7 @@ bool readPng( PngFile& file )
 		png_read_row( file.png, file.row->data(), nullptr );
 		for ( png_uint_32 x = 0; x < file.width; ++x )
 		{
-			const unsigned char* p = file.row->data() + x * static_cast<unsigned>( file.depth / 8 );
+			const unsigned char* p = file.row->data() + x * static_cast<unsigned>( file.stride );
 			file.values->push_back( file.depth == 8 ? p[0] : p[0] * 256 + p[1] );
 		}
 	}
@@ -123,7 +132,7 @@ bool readPng( PngFile& file )
 
 } // namespace
 
-HeightGrid readHeightPng( const std::string& path )
+HeightGrid readHeightPng( const std::string& path, bool any_picture )
 {
 	const std::string text = readFile( path );
 	HeightGrid grid;
@@ -131,12 +140,14 @@ HeightGrid readHeightPng( const std::string& path )
 	PngFile file;
 	file.bytes = reinterpret_cast<const unsigned char*>( text.data() );
 	file.size = text.size();
+	file.any_picture = any_picture;
 	file.values = &grid.values;
 	file.row = &row;
 	if ( !readPng( file ) )
 	{
 		throw Error( path, "", fmt::format( "is no height map: {}", file.message ),
-		    "give a PNG in grey of 8 or 16 bits, neither interlaced nor transparent, or write it again" );
+		    any_picture ? "give a PNG that is not interlaced, or write it again"
+		                : "give a PNG in grey of 8 or 16 bits, neither interlaced nor transparent, or write it again" );
 	}
 	grid.columns = file.width;
 	grid.rows = file.height;

@@ -89,7 +89,7 @@ HeightField readPicture( const ShapeLoader::Place& place, const std::string& fil
 {
 	try
 	{
-		HeightGrid grid = readHeightPng( file );
+		HeightGrid grid = readHeightPng( file, true );
 		return { grid.rows, grid.columns, std::move( grid.values ) };
 	}
 	catch ( const Error& e )

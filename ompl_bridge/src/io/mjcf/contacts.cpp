@@ -31,6 +31,10 @@ private:
 	void readExcluded();
 	bool isFamily( const Body& a, const Body& b ) const;
 	bool isPaired( std::size_t a, std::size_t b ) const { return m_paired.count( std::minmax( a, b ) ) != 0; }
+	bool isSolid( const Geom& geom ) const
+	{
+		return geom.type != GeomType::PLANE && ( geom.collides() || m_paired_geoms.count( geom.name ) != 0 );
+	}
 	std::string reasonFor( std::size_t a, std::size_t b, bool& partly ) const;
 
 	const Document& m_document;
@@ -38,7 +42,8 @@ private:
 	const Tree& m_tree;
 	RobotModel& m_model;
 	std::map<std::string, std::size_t> m_bodies;
-	std::set<std::pair<std::size_t, std::size_t>> m_paired;        ///< bodies with geoms of a <pair>
+	std::set<std::string> m_paired_geoms;                          ///< of a <pair>: they collide whatever their masks are
+	std::set<std::pair<std::size_t, std::size_t>> m_paired;        ///< their bodies
 	std::map<std::pair<std::size_t, std::size_t>, int> m_excluded; ///< bodies, with the line
 };
 
@@ -57,6 +62,7 @@ PairWriter::PairWriter(
 	}
 	for ( const auto& [a, b] : pairs )
 	{
+		m_paired_geoms.insert( { a, b } );
 		m_paired.insert( std::minmax( owner.at( a ), owner.at( b ) ) );
 	}
 }
@@ -111,8 +117,7 @@ std::string PairWriter::reasonFor( std::size_t a, std::size_t b, bool& partly ) 
 	{
 		for ( const Geom& other : second.geoms )
 		{
-			const bool counts =
-			    one.collides() && other.collides() && one.type != GeomType::PLANE && other.type != GeomType::PLANE;
+			const bool counts = isSolid( one ) && isSolid( other );
 			all += counts ? 1 : 0;
 			met += counts && one.meets( other ) ? 1 : 0;
 		}

@@ -138,6 +138,21 @@ std::vector<double> Document::numbers(
 	return values;
 }
 
+std::vector<double> Document::range( const XMLElement& at, const std::string& what ) const
+{
+	std::vector<double> ends;
+	for ( const std::string& word : splitBlanks( text( at, what, "range" ) ) )
+	{
+		const std::optional<double> number = parseNumber( word );
+		if ( !number || std::isnan( *number ) )
+		{
+			return numbers( at, what, "range", 2, 2 ); // which says why not
+		}
+		ends.push_back( *number );
+	}
+	return ends.size() == 2 ? ends : numbers( at, what, "range", 2, 2 );
+}
+
 std::string Document::word(
     const XMLElement& at, const std::string& what, const char* attribute, const std::vector<std::string>& words ) const
 {

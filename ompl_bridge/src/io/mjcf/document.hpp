@@ -38,6 +38,8 @@ public:
 	/// `least` to `most` finite numbers in an attribute. @throws Error
 	std::vector<double> numbers(
 	    const XMLElement& at, const std::string& what, const char* attribute, std::size_t least, std::size_t most ) const;
+	/// The attribute range: two numbers, which may be infinite. @throws Error
+	std::vector<double> range( const XMLElement& at, const std::string& what ) const;
 	/// One of `words`. @throws Error
 	std::string word(
 	    const XMLElement& at, const std::string& what, const char* attribute, const std::vector<std::string>& words ) const;

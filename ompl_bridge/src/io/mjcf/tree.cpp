@@ -198,10 +198,19 @@ void TreeReader::readRange( const XMLElement& e, const Place& place, Joint& join
 	const std::string wanted =
 	    limited != nullptr ? m_document.word( *limited, what, "limited", { "true", "false", "auto" } ) : "auto";
 	const std::vector<double> given =
-	    range != nullptr ? m_document.numbers( *range, what, "range", 2, 2 ) : std::vector<double>( 2, 0.0 );
+	    range != nullptr ? m_document.range( *range, what ) : std::vector<double>( 2, 0.0 );
 	if ( wanted == "false" || ( wanted == "auto" && range == nullptr ) )
 	{
 		return;
+	}
+	const bool turns = joint.type != Joint::SLIDE;
+	if ( std::isinf( given[0] ) && std::isinf( given[1] ) && given[0] < given[1] )
+	{
+		return; // no limits
+	}
+	if ( turns && !( std::isfinite( given[0] ) && std::isfinite( given[1] ) ) )
+	{
+		m_document.fail( *range, what, "has a limit on one side only", "give both limits, or none" );
 	}
 	if ( given[0] > given[1] )
 	{
@@ -222,7 +231,6 @@ void TreeReader::readRange( const XMLElement& e, const Place& place, Joint& join
 		}
 		return; // an empty range is none
 	}
-	const bool turns = joint.type != Joint::SLIDE;
 	joint.limited = true;
 	joint.lower = turns ? m_compiler.angle( given[0] ) : given[0];
 	joint.upper = turns ? m_compiler.angle( given[1] ) : given[1];
