@@ -141,7 +141,7 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 		          ->group( model ) );
 	}
 	app.add_flag( "--visual", options.visual, "use visual geometry for links without collision geometry" )->group( model );
-	rare( app.add_flag( "--strict", options.strict, "every unknown name in the SRDF is an error, even if it is not used" )
+	rare( app.add_flag( "--strict", options.strict, "every unknown name in the SRDF is an error, even if it is not used; without an SRDF all pairs of links are checked" )
 	          ->group( model ) );
 	app.add_option( "--package-path", options.package_paths,
 	       "folder for package://NAME/...: contains NAME, is called NAME, or NAME=FOLDER; repeatable" )

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Compares leeway's reading of MJCF models with MuJoCo's: poses of all bodies at random states, shapes, limits, pairs.
 
-    compare.py --poses build/bin/mjcf_poses [--states 100] [--json rows.json] [--table rows.md] [--folder FOLDER] [MODEL.xml...]
+    compare.py --poses build/bin/mjcf_poses [--states 100] [--json rows.json] [--table rows.md] [--folder FOLDER]... [MODEL.xml...]
 
 MuJoCo is the package of that name. A row for each model; exit status 1 if one of them differs, or is refused and not named by
 --refused. Distances are metres; MuJoCo keeps vertices of meshes as floats, so hulls are compared to 1e-6 of their size.
@@ -305,7 +305,7 @@ def models_in(folder):
 
 
 def as_table(rows):
-    """Markdown: a line for each package (the first folder of a name), then one for each model."""
+    """Markdown: a line for each package (the first folder of a name), then one for each model that MuJoCo loads."""
     text = "| package | models | equal | refused | differ | MuJoCo refuses | greatest difference of a pose |\n|---|---|---|---|---|---|---|\n"
     packages = collections.defaultdict(list)
     for row in rows:
@@ -317,7 +317,9 @@ def as_table(rows):
                 f"{count['refused by both'] + count['read by leeway only']} | {f'{max(poses):.1e}' if poses else ''} |\n"
     text += "\n| model | result | bodies | pose | reason |\n|---|---|---|---|---|\n"
     for row in rows:
-        reason = row.get("reason", row.get("mujoco", "")).replace("|", "/").replace("\n", " ")
+        if "mujoco" in row:
+            continue
+        reason = row.get("reason", "").replace(row["model"] + ": ", "").replace("|", "/").replace("\n", " ")
         pose = f"{row['pose']:.1e}" if "pose" in row else ""
         text += f"| {row['model']} | {row['result']} | {row.get('bodies', '')} | {pose} | {reason} |\n"
     return text
@@ -329,21 +331,21 @@ def main():
     parser.add_argument("--states", type=int, default=100)
     parser.add_argument("--json", type=pathlib.Path)
     parser.add_argument("--table", type=pathlib.Path, help="the rows as Markdown")
-    parser.add_argument("--folder", type=pathlib.Path, help="all models below it; names are relative to it")
+    parser.add_argument("--folder", type=pathlib.Path, action="append", default=[], help="all models below it; names begin with its own")
     parser.add_argument("--refused", action="append", default=[], help="end of the name of a model that may be refused")
     parser.add_argument("models", nargs="*")
     options = parser.parse_args()
     rows, bad = [], 0
-    for path in options.models + (models_in(options.folder) if options.folder else []):
+    for folder, path in [(None, path) for path in options.models] + [(folder, path) for folder in options.folder for path in models_in(folder)]:
         row = compare(options.poses, path, options.states)
         for key in ("model", "reason", "mujoco"):
-            if options.folder and key in row:
-                row[key] = row[key].replace(f"{options.folder}/", "")
+            if folder and key in row:
+                row[key] = row[key].replace(f"{folder.parent}/", "")
         rows.append(row)
         expected = row["result"] in ("equal", "refused by both", "read by leeway only") or \
             row["result"] == "refused" and path.endswith(tuple(options.refused))
         bad += not expected
-        print(row["result"], row["model"], row.get("reason", ""), f"pose {row['pose']:.1e}" if "pose" in row else "", flush=True)
+        print(row["result"], row["model"], row.get("reason", row.get("mujoco", "")), f"pose {row['pose']:.1e}" if "pose" in row else "", flush=True)
     if options.json:
         options.json.write_text(json.dumps(rows, indent=1) + "\n")
     if options.table:

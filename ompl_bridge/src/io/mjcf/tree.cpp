@@ -15,8 +15,6 @@ namespace leeway::io::detail::mjcf
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846;
-
 /// The place of the walk: the body, the pose that frames and replicas around the element add, and the default class.
 struct Place
 {
@@ -398,7 +396,7 @@ void TreeReader::readGeom( const XMLElement& e, const Place& place )
 	geom.element = &e;
 	geom.name = nameOf( e, "geom", place );
 	const std::string what =
-	    geom.name.empty() ? fmt::format( "body {}, geom {}", body.name, body.geoms.size() + 1 ) : "geom " + geom.name;
+	    geom.name.empty() ? fmt::format( "{}, geom {}", body.name.empty() ? "a body without a name" : "body " + body.name, body.geoms.size() + 1 ) : "geom " + geom.name;
 	checkLimit( &Limits::objects, ++m_geom_count, "geoms", m_document.path(), what );
 	const auto carrier = [&]( const char* attribute ) { return m_defaults.find( e, place.child_class, attribute ); };
 	if ( const XMLElement* type = carrier( "type" ) )

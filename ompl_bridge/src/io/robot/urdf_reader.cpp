@@ -5,11 +5,10 @@
 // urdfdom accepts some files that mean nothing (two joints moving one link, numbers it never looks at), refuses some that
 // mean something (capsules), forgets the order of the file and prints to the console. So this reader checks the document
 // first, removes the parts that urdfdom need not see, and puts urdfdom's output into the error or a notice.
-#include "shape/geometry_loader.hpp"
-#include "mjcf/robot.hpp"
-#include "robot/neighbours.hpp"
+#include "robot/urdf_reader.hpp"
+
 #include "robot/plausibility.hpp"
-#include "base/xml.hpp"
+#include "shape/geometry_loader.hpp"
 
 #include <console_bridge/console.h>
 #include <urdf_parser/urdf_parser.h>
@@ -17,14 +16,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 #include <fmt/format.h>
 #include <mutex>
 #include <set>
 
-namespace leeway::io
-{
-namespace detail
+namespace leeway::io::detail
 {
 
 namespace
@@ -176,6 +172,48 @@ void useVisual( XmlFile& xml, std::vector<Notice>& notices )
 	{
 		notices.push_back( { xml.path(), "<visual>",
 		    fmt::format( "visual geometry is used for links without collision geometry: {}", joinNames( names ) ) } );
+	}
+}
+
+/// Whether all numbers of a shape are there, and 0: some exporters put such boxes where a link has no shape.
+bool hasNoSize( const XMLElement& collision )
+{
+	const XMLElement* geometry = collision.FirstChildElement( "geometry" );
+	const XMLElement* shape = geometry != nullptr ? geometry->FirstChildElement() : nullptr;
+	const bool alone = shape != nullptr && shape->NextSiblingElement() == nullptr;
+	const std::string type = alone ? shape->Name() : "";
+	const auto zero = [&]( const char* attribute, std::size_t count )
+	{
+		const char* text = shape->Attribute( attribute );
+		const std::vector<std::string> words = splitBlanks( text != nullptr ? text : "" );
+		return words.size() == count && std::all_of( words.begin(), words.end(), []( const std::string& word ) { return parseNumber( word ) == 0.0; } );
+	};
+	return ( type == "box" && zero( "size", 3 ) ) || ( type == "sphere" && zero( "radius", 1 ) ) ||
+	       ( ( type == "cylinder" || type == "capsule" ) && zero( "radius", 1 ) && zero( "length", 1 ) );
+}
+
+/// Takes collision elements of shapes without size out of the document.
+void leaveOutShapesWithoutSize( XmlFile& xml, std::vector<Notice>& notices )
+{
+	std::vector<std::string> names;
+	XMLElement* robot = xml.document().RootElement();
+	for ( XMLElement* link = robot->FirstChildElement( "link" ); link != nullptr; link = link->NextSiblingElement( "link" ) )
+	{
+		for ( XMLElement* collision = link->FirstChildElement( "collision" ); collision != nullptr; )
+		{
+			XMLElement* next = collision->NextSiblingElement( "collision" );
+			if ( hasNoSize( *collision ) )
+			{
+				names.push_back( fmt::format( "{} (line {})", xml.text( *link, "link", "name" ), collision->GetLineNum() ) );
+				link->DeleteChild( collision );
+			}
+			collision = next;
+		}
+	}
+	if ( !names.empty() )
+	{
+		notices.push_back( { xml.path(), "<collision>",
+		    fmt::format( "shapes of size zero are left out, {} of links: {}", names.size(), joinNames( names, names.size() ) ) } );
 	}
 }
 
@@ -674,9 +712,11 @@ RobotModel readUrdf( XmlFile& xml, const LoadOptions& options )
 {
 	RobotModel model;
 	xml.requireRobot( "URDF" );
+	leaveOutShapesWithoutSize( xml, model.report.notices );
 	if ( options.use_visual )
 	{
 		useVisual( xml, model.report.notices );
+		leaveOutShapesWithoutSize( xml, model.report.notices );
 	}
 	xml.requireUtf8( xml.root(), "<robot>", "name" );
 	std::set<std::string> links;
@@ -700,55 +740,4 @@ RobotModel readUrdf( XmlFile& xml, const LoadOptions& options )
 	return model;
 }
 
-bool isMjcf( const XmlFile& xml )
-{
-	const XMLElement* root = xml.document().RootElement();
-	return root != nullptr && std::strcmp( root->Name(), "mujoco" ) == 0;
-}
-
-RobotModel readRobot( std::unique_ptr<XmlFile> xml, const LoadOptions& options )
-{
-	return isMjcf( *xml ) ? readMjcf( std::move( xml ), options ) : readUrdf( *xml, options );
-}
-
-} // namespace detail
-
-namespace
-{
-
-/// A path that is no folder finds nothing, also where another one does.
-void noticePackagePaths( const LoadOptions& options, std::vector<Notice>& notices )
-{
-	for ( const std::string& entry : options.package_paths )
-	{
-		const std::size_t equals = entry.find( '=' );
-		std::error_code error;
-		const bool mapped = equals != std::string::npos && std::filesystem::is_directory( entry.substr( equals + 1 ), error );
-		if ( !mapped && !std::filesystem::is_directory( entry, error ) )
-		{
-			notices.push_back( { "", "package path " + entry, "is no folder" } );
-		}
-	}
-}
-
-} // namespace
-
-RobotModel loadRobot( const std::string& urdf_file, const std::string& srdf_file, const LoadOptions& options )
-{
-	auto xml = std::make_unique<detail::XmlFile>( urdf_file );
-	const bool mjcf = detail::isMjcf( *xml );
-	RobotModel model = detail::readRobot( std::move( xml ), options );
-	noticePackagePaths( options, model.report.notices );
-	detail::noticeOddSizes( model, model.report.notices );
-	if ( !srdf_file.empty() )
-	{
-		detail::readSrdf( srdf_file, options.strict, model );
-	}
-	else if ( !options.strict )
-	{
-		detail::allowNeighbours( model, !mjcf ); // an MJCF says itself of parent and child
-	}
-	return model;
-}
-
-} // namespace leeway::io
+} // namespace leeway::io::detail
