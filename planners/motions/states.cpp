@@ -44,6 +44,17 @@ std::uint32_t variableOf( const lw_robot* robot, const std::string& name )
 namespace
 {
 
+/// " (90 degrees are 1.5708: were degrees meant? ...)" of an angle that is beyond its limits by more than a radian, and within them as degrees.
+std::string asDegrees( const lw_robot* robot, const lw_variable_info& info, double value )
+{
+	const double angle = value * ( M_PI / 180 );
+	const bool far = value < info.lower - 1 || value > info.upper + 1;
+	const bool turns = lw_robot_joint_type( robot, info.joint ) == LW_JOINT_REVOLUTE;
+	return turns && far && angle >= info.lower && angle <= info.upper
+	           ? fmt::format( " ({:g} degrees are {:.4f}: were degrees meant? Values are radians)", value, angle )
+	           : "";
+}
+
 void addViolation(
     const lw_robot* robot, std::uint32_t variable, double value, double tolerance, std::vector<std::string>& lines )
 {
@@ -51,8 +62,8 @@ void addViolation(
 	if ( !info.wraps && !( value >= info.lower - tolerance && value <= info.upper + tolerance ) )
 	{
 		const bool below = value < info.lower;
-		lines.push_back( fmt::format( "joint {}: {} is {} its limit {}", io::variableName( robot, variable ), value,
-		    below ? "below" : "above", below ? info.lower : info.upper ) );
+		lines.push_back( fmt::format( "joint {}: {} is {} its limit {}{}", io::variableName( robot, variable ), value,
+		    below ? "below" : "above", below ? info.lower : info.upper, asDegrees( robot, info, value ) ) );
 	}
 }
 

@@ -481,6 +481,30 @@ std::string plainWords( const std::string& problem )
 	                         : fmt::format( "{}: is given {} times; give it at most {} times", match[1].str(), match[3].str(), match[2].str() );
 }
 
+// Error text for the first word that is nearly an option; empty if there is none. It is told before an option that it makes missing.
+std::string misspeltOption( const CLI::App& command, int argc, char** argv )
+{
+	std::vector<std::string> known;
+	for ( const CLI::Option* option : command.get_options() )
+	{
+		for ( const std::string& name : option->get_lnames() )
+		{
+			known.push_back( "--" + name );
+		}
+	}
+	for ( int i = 2; i < argc; ++i )
+	{
+		const std::string word = std::string( argv[i] ).substr( 0, std::string( argv[i] ).find( '=' ) );
+		const bool unknown = word.size() > 2 && word.compare( 0, 2, "--" ) == 0 && std::find( known.begin(), known.end(), word ) == known.end();
+		const std::vector<std::string> nearest = unknown ? nearNames( word, known, 1 ) : std::vector<std::string>();
+		if ( !nearest.empty() )
+		{
+			return fmt::format( "there is no option {}; use {}", word, nearest[0] );
+		}
+	}
+	return "";
+}
+
 // Every failure becomes one line and exit status 2.
 int guarded( const std::function<int()>& run )
 {
@@ -553,10 +577,10 @@ int main( int argc, char** argv )
 	}
 	catch ( const CLI::ParseError& error )
 	{
-		const std::string help = app.get_subcommands().empty()
-		                             ? "leeway --help"
-		                             : "leeway " + app.get_subcommands().front()->get_name() + " --help";
-		tell( "leeway: error: command line: {}; see {}\n", plainWords( error.what() ), help );
+		const CLI::App* command = app.get_subcommands().empty() ? nullptr : app.get_subcommands().front();
+		const std::string misspelt = command != nullptr ? misspeltOption( *command, argc, argv ) : "";
+		tell( "leeway: error: command line: {}; see {}\n", misspelt.empty() ? plainWords( error.what() ) : misspelt,
+		    command != nullptr ? "leeway " + command->get_name() + " --help" : "leeway --help" );
 		return exit_error;
 	}
 	return guarded( [&] { return dispatch( app, commands ); } );

@@ -100,6 +100,18 @@ TEST_F( CliWords, TablesAreReadFromStandardInput )
 
 // ---- the command line
 
+TEST_F( CliWords, AMisspeltOptionIsToldAsAMissingOne )
+{
+	const Outcome robot = run( { "check", "--robt", "arm.urdf", "--states", "states.csv" } );
+	EXPECT_EQ( robot.status, 2 );
+	EXPECT_TRUE( contains( robot.err, "there is no option --robt; use --robot" ) ) << robot.err;
+	EXPECT_FALSE( contains( robot.err, "required" ) ) << robot.err;
+	const Outcome scene = run( { "check", "--robot", "arm.urdf", "--states", "states.csv", "--scen=scene.yaml" } );
+	EXPECT_TRUE( contains( scene.err, "there is no option --scen; use --scene" ) ) << scene.err;
+	const Outcome other = run( { "check", "--states", "states.csv", "--sideways" } );
+	EXPECT_TRUE( contains( other.err, "--robot is required" ) ) << other.err;
+}
+
 TEST_F( CliWords, AnUnknownSubcommandIsNamedWithTheNearest )
 {
 	const Outcome wrong = run( { "chekc", "--robot", "arm.urdf" } );
