@@ -192,6 +192,13 @@ typedef struct lwi_work
 	uint32_t most_states; ///< out->queries at which the proof is given up
 } lwi_work;
 
+/// A cluster in the lanes of the gate, seen from the world.
+typedef struct lwi_lane_bound
+{
+	double size;      ///< metres: no coordinate of its sphere is larger, with its displacement
+	double deviation; ///< metres: from motion with the velocities in the middle, the tube included
+} lwi_lane_bound;
+
 /// A question, and all that its proof needs. Each part is written by its owner only.
 typedef struct lwi_edge
 {
@@ -205,6 +212,7 @@ typedef struct lwi_edge
 	lwi_work work;
 	lwi_edge_memory* memory; ///< of this edge and the ones before. Owner: motion/planes.c
 	double *lane_states, *lane_speeds; ///< [LWI_WIDTH][robot variable_count] scratch of motion/gate.c
+	lwi_lane_bound* lane_bounds; ///< [clusters] scratch of motion/gate.c
 	bool failed;             ///< a state could not be posed or measured
 	lw_status failure;       ///< why, if it was not the state: a deferred mesh
 } lwi_edge;
