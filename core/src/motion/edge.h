@@ -241,8 +241,8 @@ lwi_path_result lwi_path_begin( lwi_edge* edge, uint64_t cell, uint8_t level );
 /// The group's variables at t; the ends are the given states themselves.
 const double* lwi_path_state( lwi_edge* edge, double t );
 
-/// The full state at t, and the derivative of each variable; a floating joint's three numbers from the quaternion's first on are its
-/// angular velocity in the frame of the joint. @param speeds [robot variable_count], 0 for all but the group's; may be NULL
+/// The full state at t, and the derivative of each variable per unit of t of the piece; a floating joint's three numbers from the
+/// quaternion's first on are its angular velocity in the frame before the joint, in which its shift is given, not in the child's. @param speeds [robot variable_count], 0 for all but the group's; may be NULL
 void lwi_path_at( const lwi_edge* edge, double t, double* state, double* speeds );
 
 /// Do the tables of the reach hold along all of the path?
