@@ -44,8 +44,8 @@ static uint8_t halvings_before( const gate* g, const lwi_edge_pair* pair )
 static void add_pair( const gate* g, uint32_t body_a, uint32_t body_b, uint32_t ancestor, uint32_t lanes )
 {
 	const lwi_edge_pair pair = { .body = { body_a, body_b }, .ancestor = ancestor, .cells = (uint8_t)lanes };
-	const uint32_t index = lwi_edge_add_pair( g->e, pair );
-	lwi_work_add( g->e, index, halvings_before( g, &g->e->pairs.all[index] ) );
+	lwi_edge_pair* added = lwi_edge_add_pair( g->e, pair );
+	added->skip = halvings_before( g, added );
 }
 
 // --- the robot in the lanes ------------------------------------------------------------------------------------------
