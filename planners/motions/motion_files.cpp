@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace leeway::motions
@@ -118,6 +119,23 @@ void noteUnknownLimits( const JointLimits& limits, const std::string& file, cons
 	{
 		notices.push_back( { file, "joint_limits." + name, "the robot has no such joint to move; its limits are not kept" } );
 	}
+}
+
+std::vector<std::string> startDifferences( const PathFile& path, const io::Problem& problem )
+{
+	constexpr double same = 1e-9; // radians or metres: digits that a file leaves out
+	const std::vector<std::string>& moved = problem.variable_names;
+	std::vector<std::string> out;
+	for ( const auto& [name, value] : path.start_state )
+	{
+		const std::uint32_t index = variableOf( problem.robot.get(), name );
+		const bool stands = index != LW_INVALID_INDEX && std::find( moved.begin(), moved.end(), name ) == moved.end();
+		if ( stands && !( std::abs( value - problem.reference[index] ) <= same ) )
+		{
+			out.push_back( fmt::format( "joint {} is at {:g} in the path's start state and at {:g} here", name, value, problem.reference[index] ) );
+		}
+	}
+	return out;
 }
 
 std::vector<std::vector<double>> groupPoints( const PathFile& path, const io::Problem& problem )

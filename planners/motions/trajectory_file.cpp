@@ -357,6 +357,7 @@ void readLimit( const std::string& file, const std::string& joint, const YAML::N
 	{
 		if ( value.IsDefined() && !io::saysNothing( value ) )
 		{
+			finiteValue( file, value, element );
 			notices.push_back( { file, at( key ), fmt::format( "is not used: {} is not true", has ) } );
 		}
 		return;

@@ -81,6 +81,7 @@ int runAudit( const AuditOptions& options )
 		{
 			json["roundings"] = toJson( *corners );
 		}
+		json["notices"] = notices.all();
 		report.text = jsonText( json );
 		files.push_back( &report );
 	}

@@ -25,6 +25,7 @@ namespace
 
 constexpr double progress_after = 1.0;       // seconds: shorter work says nothing
 constexpr double progress_line_every = 4.0;  // seconds between lines where stderr is a file
+constexpr const char* clear_line = "\r\x1b[K"; // of a terminal
 constexpr double progress_redraw_every = .2; // seconds between redraws on a terminal
 
 // Temporary files to remove on a signal. A handler may only touch plain static memory, hence fixed slots: the program never
@@ -161,6 +162,29 @@ void useFile( const std::string& option, const std::string& path, bool output )
 	used_files.push_back( { option, path, output } );
 }
 
+/// Bytes on standard output, all of them. @throws io::Error
+void putOut( const std::string& bytes )
+{
+	if ( std::fwrite( bytes.data(), 1, bytes.size(), stdout ) != bytes.size() || std::fflush( stdout ) != 0 )
+	{
+		cannotWrite( "standard output", errno );
+	}
+}
+
+/// Names that files gave may have any bytes.
+std::string printableLines( const std::string& text )
+{
+	std::string lines;
+	for ( std::size_t begin = 0; begin < text.size(); )
+	{
+		const std::size_t end = std::min( text.find( '\n', begin ), text.size() );
+		lines += io::printable( text.substr( begin, end - begin ) );
+		lines += end < text.size() ? "\n" : "";
+		begin = end + 1;
+	}
+	return lines;
+}
+
 } // namespace
 
 void readsFile( const std::string& option, const std::string& path )
@@ -262,15 +286,14 @@ void Progress::run()
 		const std::string steps =
 		    m_total == 0 ? m_stage
 		                 : fmt::format( " {} of {} ({:.0f} %)", done, m_total, 100.0 * double( done ) / double( m_total ) );
-		tell( "{}leeway: {} ...{} {:.0f} s{}", terminal ? "\r\x1b[K" : "", m_label, steps, now() - start,
-		    terminal ? "" : "\n" );
+		fmt::print( stderr, "{}leeway: {} ...{} {:.0f} s{}", terminal ? clear_line : "", m_label, steps, now() - start, terminal ? "" : "\n" );
 		std::fflush( stderr );
 		shown = true;
 		wait = terminal ? progress_redraw_every : progress_line_every;
 	}
 	if ( shown && terminal )
 	{
-		tell( "\r\x1b[K" );
+		(void)std::fputs( clear_line, stderr );
 	}
 }
 
@@ -371,7 +394,7 @@ void OutputFile::commit()
 {
 	if ( m_path.empty() )
 	{
-		printOut( text );
+		putOut( text );
 		return;
 	}
 	if ( m_temporary.empty() )
@@ -406,12 +429,14 @@ void commitTogether( const std::vector<OutputFile*>& files )
 	}
 }
 
+void tellLines( const std::string& text )
+{
+	(void)std::fputs( printableLines( text ).c_str(), stderr );
+}
+
 void printOut( const std::string& text )
 {
-	if ( std::fwrite( text.data(), 1, text.size(), stdout ) != text.size() || std::fflush( stdout ) != 0 )
-	{
-		cannotWrite( "standard output", errno );
-	}
+	putOut( printableLines( text ) );
 }
 
 } // namespace leeway::cli

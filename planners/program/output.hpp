@@ -106,13 +106,14 @@ private:
 /// Files that belong together: none is replaced before all are written.
 void commitTogether( const std::vector<OutputFile*>& files );
 
-/// A line for the user, on standard error. Where that cannot be written, nobody is there to be told: the work goes on.
+/// Lines for the user, printable, on standard error. Where that cannot be written, nobody is there to be told: the work goes on.
+void tellLines( const std::string& text );
 template <typename... Arguments> void tell( fmt::format_string<Arguments...> format, Arguments&&... arguments )
 {
-	(void)std::fputs( fmt::format( format, std::forward<Arguments>( arguments )... ).c_str(), stderr );
+	tellLines( fmt::format( format, std::forward<Arguments>( arguments )... ) );
 }
 
-/// Text on standard output, all of it. @throws io::Error
+/// Lines for the user, printable, on standard output, all of them. @throws io::Error
 void printOut( const std::string& text );
 
 /// Removes the temporary files of all open OutputFiles when the program is interrupted or terminated. A file that exceeds

@@ -158,6 +158,21 @@ private:
 	std::set<std::string> m_shown; ///< groups whose notices were given
 };
 
+Json reportOf( const AuditOptions& options, const Input& input, const std::string& group, const Driver& driver, const Notices& notices )
+{
+	Json json;
+	json[options.steps.empty() ? "trajectory" : "steps_file"] = options.steps.empty() ? options.trajectory : options.steps;
+	json["robot"] = input.robot.name;
+	json["group"] = group;
+	json["audit"] = toJson( driver.whole() );
+	json["notices"] = notices.all();
+	if ( !options.steps.empty() )
+	{
+		json["steps"] = driver.steps;
+	}
+	return json;
+}
+
 } // namespace
 
 int runTrajectoryAudit( const AuditOptions& options )
@@ -208,17 +223,7 @@ int runTrajectoryAudit( const AuditOptions& options )
 	std::vector<OutputFile*> out;
 	if ( !options.report.empty() )
 	{
-		Json json;
-		json[options.steps.empty() ? "trajectory" : "steps_file"] =
-		    options.steps.empty() ? options.trajectory : options.steps;
-		json["robot"] = input.robot.name;
-		json["group"] = group;
-		json["audit"] = toJson( driver.whole() );
-		if ( !options.steps.empty() )
-		{
-			json["steps"] = driver.steps;
-		}
-		report.text = jsonText( json );
+		report.text = jsonText( reportOf( options, input, group, driver, notices ) );
 		out.push_back( &report );
 	}
 	if ( !options.profile.empty() )

@@ -96,16 +96,26 @@ ViewMotion motionOf(
 	Progress progress( "measuring the motion" );
 	if ( source.path )
 	{
+		notices.add( "keys of the path", source.path->notices );
 		return motionOfPath( problem, groupPoints( *source.path, problem ), flags, source.file, shownBy( progress ) );
 	}
 	if ( !source.trajectories.empty() )
 	{
+		Drive drive( input.request ? input.request->start.values : Values() );
+		TrajectorySettings settings;
+		settings.edge.min_d = options.common.min_d;
+		settings.edge.flags = flags;
 		std::vector<Segment> segments;
 		for ( const TrajectoryFile& file : source.trajectories ) // driven one after the other
 		{
-			const double begin = segments.empty() ? 0 : segments.back().begin + segments.back().seconds;
-			const std::vector<Segment> more = segmentsOf( problem, file, Interpolation::automatic, begin );
-			segments.insert( segments.end(), more.begin(), more.end() );
+			drive.add( problem, input.robot, file, settings );
+			notices.add( "fields of the trajectory", file.notices );
+			notices.add( "first points", drive.notices() );
+			segments.insert( segments.end(), drive.segments().begin(), drive.segments().end() );
+		}
+		for ( const std::string& text : drive.whole().problems )
+		{
+			notices.add( "problems of the trajectory", text );
 		}
 		return motionOfTrajectory( problem, segments, flags, source.file, shownBy( progress ) );
 	}

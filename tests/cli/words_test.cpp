@@ -86,6 +86,27 @@ TEST_F( CliWords, ANoticeCommandsTheTerminal )
 	EXPECT_EQ( outcome.err.find_first_of( "\x1b\x07\r" ), std::string::npos );
 }
 
+/// Links, too, may be named by anybody, and results name them.
+TEST_F( CliWords, AResultCommandsTheTerminal )
+{
+	std::string urdf = readFile( path( "arm.urdf" ) );
+	for ( std::size_t at = 0; ( at = urdf.find( "\"fore\"", at ) ) != std::string::npos; )
+	{
+		urdf.replace( at, 6, "\"fore\x7f\xc2\x9b[2J\"" );
+	}
+	write( "named.urdf", urdf );
+	for ( const std::vector<std::string>& command : { std::vector<std::string>{ "info" }, { "pairs" }, { "spherize", "--excess", "30", "--out", "spheres" } } )
+	{
+		std::vector<std::string> arguments = { command[0], "--robot", "named.urdf", "--no-cache", "--verbose" };
+		arguments.insert( arguments.end(), command.begin() + 1, command.end() );
+		const Outcome outcome = run( arguments );
+		ASSERT_LT( outcome.status, 2 ) << outcome.err;
+		EXPECT_TRUE( contains( outcome.out + outcome.err, "fore\\x7f" ) ) << command[0] << outcome.out << outcome.err;
+		EXPECT_EQ( ( outcome.out + outcome.err ).find( "\x7f" ), std::string::npos ) << command[0];
+		EXPECT_EQ( ( outcome.out + outcome.err ).find( "\xc2\x9b" ), std::string::npos ) << command[0];
+	}
+}
+
 TEST_F( CliWords, TablesAreReadFromStandardInput )
 {
 	const std::string command =

@@ -2,6 +2,8 @@
 // The program that libFuzzer drives: LEEWAY_FUZZ_TARGET names the target. One program for all of them links once.
 #include "fuzz.hpp"
 
+#include "leeway/io/limits.hpp"
+
 #include <cstdio>
 #include <cstdlib>
 
@@ -35,6 +37,9 @@ extern "C" int LLVMFuzzerTestOneInput( const std::uint8_t* data, std::size_t siz
 {
 	if ( size <= chosen->longest )
 	{
+		leeway::io::Limits limits;
+		limits.alias_nodes = 10'000; // a million take ten seconds under sanitizers, and a minute beside other work
+		const leeway::io::LimitScope scope( limits );
 		chosen->run( fuzz::Input( reinterpret_cast<const char*>( data ), size ) );
 	}
 	return 0;

@@ -76,6 +76,25 @@ TEST_F( CliView, TheSmallestClearanceOfAMotionIsFoundBetweenItsSteps )
 	EXPECT_EQ( least["environment"][0], smallest );
 }
 
+TEST_F( CliView, TheWayToALateFirstPointIsNotShown )
+{
+	const std::string late = R"({"joint_names": ["shoulder", "elbow"], "points": [
+		{"positions": [-0.4, 0.1], "time_from_start": {"sec": 1}}, {"positions": [-0.5, 0.1], "time_from_start": {"sec": 3}}]})";
+	write( "t.json", R"({"trajectory_start": {"joint_state": {"name": ["shoulder", "elbow"], "position": [0.3, 0]}},
+		"trajectory": [{"joint_trajectory": )" + late + "}]}" );
+	ASSERT_EQ( view( { "--trajectory", "t.json", "--out", "page.html" } ).status, 0 );
+	const nlohmann::json motion = model( "page.html" )["motion"];
+	EXPECT_EQ( motion["steps"].front()["q"], nlohmann::json::parse( "[0.3, 0.0]" ) );
+	EXPECT_EQ( motion["steps"].back()["at"], 3 );
+	write( "late.json", late );
+	const Outcome outcome = view( { "--trajectory", "late.json", "--out", "late.html" } );
+	ASSERT_EQ( outcome.status, 0 ) << outcome.err;
+	for ( const std::string& text : { outcome.err, readFile( path( "late.html" ) ) } )
+	{
+		EXPECT_TRUE( contains( text, "the first point comes after 1 s" ) );
+	}
+}
+
 TEST_F( CliView, APageListsItsSimplifiedMeshes )
 {
 	ASSERT_EQ( view( { "--triangles", "8", "--out", "coarse.html" } ).status, 0 );

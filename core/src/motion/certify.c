@@ -15,7 +15,7 @@ static uint32_t pair_id( const lw_checker* c, const lwi_edge_pair* pair )
 	return lwi_edge_pair_is_self( pair ) ? lwi_body_pair_id( c->base, pair->body[0], pair->body[1] ) : pair->body[0];
 }
 
-uint32_t lwi_edge_add_pair( lwi_edge* e, lwi_edge_pair pair )
+lwi_edge_pair* lwi_edge_add_pair( lwi_edge* e, lwi_edge_pair pair )
 {
 	const lw_checker* c = e->checker;
 	const bool self = lwi_edge_pair_is_self( &pair );
@@ -29,7 +29,7 @@ uint32_t lwi_edge_add_pair( lwi_edge* e, lwi_edge_pair pair )
 	pair.pair_cache = ( pair_id( c, &pair ) * 2654435769u ) >> ( 32 - LWI_EDGE_CACHE_BITS );
 	pair.slack = e->pairs.slack[self];
 	e->pairs.all[e->pairs.count] = pair;
-	return e->pairs.count++;
+	return &e->pairs.all[e->pairs.count++];
 }
 
 void lwi_edge_begin_pairs( lwi_edge* e )
@@ -70,17 +70,6 @@ static double need_of( const lwi_edge* e, const lwi_edge_pair* pair )
 static double floor_of( const lwi_edge* e, const lwi_edge_pair* pair )
 {
 	return e->def->min_d + pair->tube[0] + pair->tube[1];
-}
-
-double lwi_edge_loss( lwi_edge* e, const lwi_edge_pair* pair, const lwi_window_motion motion[2] )
-{
-	const lwi_cluster_tree* tree = e->checker->base->tree;
-	double loss = 0;
-	for ( int side = 0; side < ( lwi_edge_pair_is_self( pair ) ? 2 : 1 ); ++side )
-	{
-		loss += lwi_window_displacement( e, &motion[side], &tree->body_spheres[tree->body_place[pair->body[side]]] );
-	}
-	return loss * LWI_EDGE_OUTWARD;
 }
 
 // ---- proofs on the whole path ----------------------------------------------------------------------------------------
@@ -225,7 +214,7 @@ lwi_edge_sample lwi_edge_certify( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 		e->pairs.close += is_close( e, pair ) && !s.proved;
 		return s;
 	}
-	const double loss = lwi_edge_loss( e, pair, motion );
+	const double loss = lwi_window_loss( e, pair, motion );
 	measure( e, pair, window, loss, &s );
 	if ( e->failed || is_proved( e, pair, loss, &s ) )
 	{

@@ -58,6 +58,7 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	e->poses.frame_poses = lwi_arena_take( &arena, LWI_EDGE_FRAMES * clusters, sizeof( lw_transform ) );
 	e->lane_states = lwi_arena_take( &arena, LWI_WIDTH * (size_t)variables, sizeof( double ) );
 	e->lane_speeds = lwi_arena_take( &arena, LWI_WIDTH * (size_t)variables, sizeof( double ) );
+	e->lane_bounds = lwi_arena_take( &arena, clusters, sizeof( lwi_lane_bound ) );
 	e->pairs.capacity = c->base->moving_body_count + c->base->self.pair_count;
 	e->work.capacity = 4 * e->pairs.capacity + SPARE_WINDOWS;
 	e->pairs.all = lwi_arena_take( &arena, e->pairs.capacity, sizeof( lwi_edge_pair ) );

@@ -69,8 +69,14 @@ typedef struct lwi_edge_pair
 	double tube[2];      ///< metres: of motions within the tolerance, see lwi_motion_tube_of()
 	uint32_t pair_cache; ///< index into `pair_cache`
 	uint8_t cells;       ///< of LWI_WIDTH, not proved by the gate
+	uint8_t skip;        ///< halvings before it is measured: its bodies bend too much in wider windows
 	double slack;        ///< metres: the edge's, or less once a clearance was found to be within that
 } lwi_edge_pair;
+
+static inline bool lwi_edge_pair_is_self( const lwi_edge_pair* pair )
+{
+	return pair->body[1] != LW_INVALID_INDEX;
+}
 
 // --- motion/window.c ------------------------------------------------------------------------------------------------------
 
@@ -192,6 +198,13 @@ typedef struct lwi_work
 	uint32_t most_states; ///< out->queries at which the proof is given up
 } lwi_work;
 
+/// A cluster in the lanes of the gate, seen from the world.
+typedef struct lwi_lane_bound
+{
+	double size;      ///< metres: no coordinate of its sphere is larger, with its displacement
+	double deviation; ///< metres: from motion with the velocities in the middle, the tube included
+} lwi_lane_bound;
+
 /// A question, and all that its proof needs. Each part is written by its owner only.
 typedef struct lwi_edge
 {
@@ -205,6 +218,7 @@ typedef struct lwi_edge
 	lwi_work work;
 	lwi_edge_memory* memory; ///< of this edge and the ones before. Owner: motion/planes.c
 	double *lane_states, *lane_speeds; ///< [LWI_WIDTH][robot variable_count] scratch of motion/gate.c
+	lwi_lane_bound* lane_bounds; ///< [clusters] scratch of motion/gate.c
 	bool failed;             ///< a state could not be posed or measured
 	lw_status failure;       ///< why, if it was not the state: a deferred mesh
 } lwi_edge;
@@ -233,8 +247,8 @@ lwi_path_result lwi_path_begin( lwi_edge* edge, uint64_t cell, uint8_t level );
 /// The group's variables at t; the ends are the given states themselves.
 const double* lwi_path_state( lwi_edge* edge, double t );
 
-/// The full state at t, and the derivative of each variable; a floating joint's three numbers from the quaternion's first on are its
-/// angular velocity in the frame of the joint. @param speeds [robot variable_count], 0 for all but the group's; may be NULL
+/// The full state at t, and the derivative of each variable per unit of t of the piece; a floating joint's three numbers from the
+/// quaternion's first on are its angular velocity in the frame before the joint, in which its shift is given, not in the child's. @param speeds [robot variable_count], 0 for all but the group's; may be NULL
 void lwi_path_at( const lwi_edge* edge, double t, double* state, double* speeds );
 
 /// Do the tables of the reach hold along all of the path?
@@ -273,13 +287,15 @@ lwi_window_motion lwi_window_motion_of( const lwi_edge_pair* pair, int side, lwi
 /// @param sphere frame of the cluster's `root_link`
 double lwi_window_displacement( lwi_edge* edge, const lwi_window_motion* motion, const lw_sphere* sphere );
 
+/// How much the clearance of a pair may lose within a window, from its middle.
+double lwi_window_loss( lwi_edge* edge, const lwi_edge_pair* pair, const lwi_window_motion motion[2] );
+
 /// The body's poses in the window, seen from the ancestor.
 void lwi_window_swept( lwi_edge* edge, const lwi_window_motion* motion, lwi_swept_poses* out );
 
 // --- motion/gate.c --------------------------------------------------------------------------------------------------------
 
-/// All bodies in eight windows of [0, edge->work.end] at once, by their spheres. Pairs not proved become the edge's pairs, with their cells, and
-/// get on the list.
+/// All bodies in eight windows of [0, edge->work.end] at once, by their spheres. Pairs not proved become the edge's pairs, with their cells.
 void lwi_edge_gate( lwi_edge* edge );
 
 // --- motion/planes.c ------------------------------------------------------------------------------------------------------
@@ -292,9 +308,6 @@ lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* edge, const lwi_edge_pair* 
 
 /// Tries to prove a pair in a window: planes, then the distance in its middle.
 lwi_edge_sample lwi_edge_certify( lwi_edge* edge, lwi_edge_pair* pair, lwi_edge_window window );
-
-/// How much the clearance of a pair may lose within a window, from its middle.
-double lwi_edge_loss( lwi_edge* edge, const lwi_edge_pair* pair, const lwi_window_motion motion[2] );
 
 /// False for windows of a level that the gate has proved for a pair.
 static inline bool lwi_edge_cell_is_open( const lwi_edge_pair* pair, uint64_t cell, int level )
@@ -314,19 +327,14 @@ double lwi_edge_static_lower( const lwi_edge* edge );
 /// Are the static bodies above min_d? If not, that is the verdict.
 bool lwi_edge_static_is_free( lwi_edge* edge );
 
-static inline bool lwi_edge_pair_is_self( const lwi_edge_pair* pair )
-{
-	return pair->body[1] != LW_INVALID_INDEX;
-}
-
 /// Notes that something was proved by as much as edge->pairs.need.
 void lwi_edge_note_proof( lwi_edge* edge );
 
 /// No pairs, and what proves one along the path that was begun: its rounding, slack and clearance.
 void lwi_edge_begin_pairs( lwi_edge* edge );
 
-/// Adds a pair, of which bodies, ancestor and cells are given. Returns its index.
-uint32_t lwi_edge_add_pair( lwi_edge* edge, lwi_edge_pair pair );
+/// Adds a pair, of which bodies, ancestor and cells are given.
+lwi_edge_pair* lwi_edge_add_pair( lwi_edge* edge, lwi_edge_pair pair );
 
 /// True if a separation that holds along all of the path, less margins, is at least the clearance of a certificate.
 /// @param tube metres: by which motions within the tolerance may reduce it
@@ -340,9 +348,6 @@ bool lwi_edge_grid_proves( lwi_edge* edge, const lwi_grid_slice* slice, uint32_t
 
 /// Empties the list, but for one first window. @param from_left the leftmost window is always next
 void lwi_work_begin( lwi_edge* edge, double end, bool from_left );
-
-/// Adds a pair that the gate leaves open. @param skip halvings before it is measured
-void lwi_work_add( lwi_edge* edge, uint32_t pair, uint8_t skip );
 
 /// Is the whole robot above min_d at t? Nearest pair first. A failure is reported; an undecided verdict never replaces a collision
 /// found elsewhere.

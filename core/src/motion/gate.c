@@ -44,24 +44,11 @@ static uint8_t halvings_before( const gate* g, const lwi_edge_pair* pair )
 static void add_pair( const gate* g, uint32_t body_a, uint32_t body_b, uint32_t ancestor, uint32_t lanes )
 {
 	const lwi_edge_pair pair = { .body = { body_a, body_b }, .ancestor = ancestor, .cells = (uint8_t)lanes };
-	const uint32_t index = lwi_edge_add_pair( g->e, pair );
-	lwi_work_add( g->e, index, halvings_before( g, &g->e->pairs.all[index] ) );
+	lwi_edge_pair* added = lwi_edge_add_pair( g->e, pair );
+	added->skip = halvings_before( g, added );
 }
 
 // --- the robot in the lanes ------------------------------------------------------------------------------------------
-
-/// Frames, and middles of the spheres of all clusters.
-static void pose_lanes( gate* g )
-{
-	lwi_edge* e = g->e;
-	const uint32_t variables = e->checker->base->robot->variable_count;
-	for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
-	{
-		lwi_path_at( e, e->work.end * ( ( l + 0.5 ) / LWI_WIDTH ), e->lane_states + l * variables, e->lane_speeds + l * variables );
-	}
-	lwi_pose_moving_lanes( e->checker, e->query, e->lane_states, e->lane_speeds );
-	lwi_pose_lane_spheres( e->checker, e->query, g->half );
-}
 
 /// Motion of a cluster along the path, seen from another one above it.
 static lwi_motion_rate rate_of( const gate* g, uint32_t cluster, uint32_t ancestor )
@@ -92,6 +79,24 @@ static const lwi_batch_point* body_point( const gate* g, uint32_t place )
 static double size_of( const lwi_batch_point* p, double path )
 {
 	return (double)fabsf( p->p[0][0] ) + (double)fabsf( p->p[1][0] ) + (double)fabsf( p->p[2][0] ) + 2 * path;
+}
+
+/// Frames, and middles of the spheres of all clusters with their bounds.
+static void pose_lanes( gate* g )
+{
+	lwi_edge* e = g->e;
+	const uint32_t variables = e->checker->base->robot->variable_count;
+	for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
+	{
+		lwi_path_at( e, e->work.end * ( ( l + 0.5 ) / LWI_WIDTH ), e->lane_states + l * variables, e->lane_speeds + l * variables );
+	}
+	lwi_pose_moving_lanes( e->checker, e->query, e->lane_states, e->lane_speeds );
+	lwi_pose_lane_spheres( e->checker, e->query, g->half );
+	for ( uint32_t i = 0; i < g->tree->cluster_count; ++i )
+	{
+		e->lane_bounds[i] = ( lwi_lane_bound ){ .size = size_of( &g->clusters[i], rate_of( g, i, 0 ).path ) + 2 * g->tree->clusters[i].r.radius,
+			.deviation = deviation_of( g, i, 0 ) };
+	}
 }
 
 /// A box in the world, from the origin of the lanes.
@@ -292,13 +297,12 @@ typedef struct cluster_pair
 
 static cluster_pair make_cluster_pair( const gate* g, const lwi_cluster_pair* pair, double tube )
 {
-	const uint32_t a = pair->cluster_a, b = pair->cluster_b, above = pair->ancestor;
-	const double size = size_of( &g->clusters[a], rate_of( g, a, 0 ).path ) + size_of( &g->clusters[b], rate_of( g, b, 0 ).path ) +
-						2 * ( g->tree->clusters[a].r.radius + g->tree->clusters[b].r.radius );
+	const uint32_t a = pair->cluster_a, b = pair->cluster_b;
+	const lwi_lane_bound* bounds = g->e->lane_bounds;
 	return ( cluster_pair ){ .pair = pair,
 		.tube = tube,
-		.reach = g->e->pairs.need[1] + 2 * g->rounding + deviation_of( g, a, above ) + deviation_of( g, b, above ) +
-				 (double)pair->margin + lwi_gap_slack( 2 * size ) };
+		.reach = g->e->pairs.need[1] + 2 * g->rounding + bounds[a].deviation + bounds[b].deviation +
+				 (double)pair->margin + lwi_gap_slack( 2 * ( bounds[a].size + bounds[b].size ) ) };
 }
 
 /// Lanes in which two spheres do not stay apart.

@@ -261,7 +261,7 @@ static bool is_apart_from_pieces( plane_test* s, uint64_t key, uint32_t index, l
 static bool each_is_apart( plane_test* s, uint64_t key, bool split_b, double margin )
 {
 	lwi_swept_poses* whole = s->a;
-	const double reach = s->need + margin + lwi_edge_loss( s->edge, s->pair, s->motion );
+	const double reach = s->need + margin + lwi_window_loss( s->edge, s->pair, s->motion );
 	lw_vec3 places[LWI_WIDTH];
 	uint32_t order[LWI_WIDTH];
 	const uint32_t count = near_pieces( s, reach, places, order );
@@ -295,7 +295,7 @@ static bool pieces_are_apart( plane_test* s, uint64_t key, double margin )
 	const lw_vec3 place = lwi_transform( &b_from_a, lwi_load( s->a->shape->sphere_center ) );
 	const bool apart = split_a ? each_is_apart( s, key, split_b, margin )
 							   : is_apart_from_pieces( s, key, LWI_WIDTH, place,
-									 s->need + margin + lwi_edge_loss( s->edge, s->pair, s->motion ), margin );
+									 s->need + margin + lwi_window_loss( s->edge, s->pair, s->motion ), margin );
 	if ( apart )
 	{
 		lwi_backoff_succeeded( backoff );

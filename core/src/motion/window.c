@@ -223,6 +223,17 @@ double lwi_window_displacement( lwi_edge* e, const lwi_window_motion* m, const l
 	return lwi_motion_between( chord, m->chord_error, m->path - m->tube ) + m->tube;
 }
 
+double lwi_window_loss( lwi_edge* e, const lwi_edge_pair* pair, const lwi_window_motion motion[2] )
+{
+	const lwi_cluster_tree* tree = e->checker->base->tree;
+	double loss = 0;
+	for ( int side = 0; side < ( lwi_edge_pair_is_self( pair ) ? 2 : 1 ); ++side )
+	{
+		loss += lwi_window_displacement( e, &motion[side], &tree->body_spheres[tree->body_place[pair->body[side]]] );
+	}
+	return loss * LWI_EDGE_OUTWARD;
+}
+
 void lwi_window_swept( lwi_edge* e, const lwi_window_motion* m, lwi_swept_poses* out )
 {
 	const lw_checker* c = e->checker;

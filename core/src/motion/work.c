@@ -38,11 +38,6 @@ void lwi_work_begin( lwi_edge* e, double end, bool from_left )
 	w->head = w->tail = 1;
 }
 
-void lwi_work_add( lwi_edge* e, uint32_t pair, uint8_t skip )
-{
-	e->work.windows[e->work.tail++] = ( lwi_open_window ){ .pair = pair, .skip = skip };
-}
-
 /// Adds half of a window, unless the gate has proved it. @param right 1: the right half
 static void add_half( lwi_edge* e, const lwi_open_window* from, uint32_t right )
 {
@@ -238,6 +233,10 @@ static void begin_first( lwi_edge* e )
 	w->head = w->tail = w->first_count;
 	lwi_edge_begin_pairs( e );
 	lwi_edge_gate( e );
+	for ( uint32_t i = 0; i < e->pairs.count; ++i )
+	{
+		e->work.windows[e->work.tail++] = ( lwi_open_window ){ .pair = i, .skip = e->pairs.all[i].skip };
+	}
 }
 
 /// Takes the first windows from the left, once everything before is proved. @return false if the search ends

@@ -68,7 +68,8 @@ typedef struct lwi_motion_rate
 /// @param share of the edge, on the longer side of that state: 0.5 for its middle
 bool lwi_motion_begin( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
 /// Ranges of the variables along a curve over t in [0, 1], and of their derivatives: [variable_count] each. Those that do not
-/// move have least = most, and 0.
+/// move have least = most, and 0. A quaternion's are not read: a floating joint only shifts. Bounds of a shift's coordinates are
+/// taken as a vector: its length is the bound of the shift.
 typedef struct lwi_motion_ranges
 {
 	const double *least, *most;

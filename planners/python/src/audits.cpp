@@ -8,11 +8,13 @@
 
 #include "leeway/motions/motion_files.hpp"
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace leeway::python
 {
@@ -55,14 +57,39 @@ struct Path
 {
 	std::string file;
 	std::vector<std::vector<double>> points; ///< group states
+	double min_d = 0;
+	std::vector<io::Notice> notices;
 };
+
+/// A report, with what was read and has no say in it.
+nb::object dictOf( motions::Json json, const std::vector<io::Notice>& notices )
+{
+	json["notices"] = noticeLines( notices );
+	return dictOf( json );
+}
+
+std::vector<io::Notice>& append( std::vector<io::Notice>& notices, const std::vector<io::Notice>& more )
+{
+	notices.insert( notices.end(), more.begin(), more.end() );
+	return notices;
+}
 
 Path pathOf( const PyChecker& checker, const nb::object& given )
 {
-	Path path{ fileName( given ), {} };
+	Path path;
+	path.file = fileName( given );
 	if ( !path.file.empty() )
 	{
-		path.points = motions::groupPoints( motions::readPath( path.file ), *checker.problem );
+		const motions::PathFile file = motions::readPath( path.file );
+		path.points = motions::groupPoints( file, *checker.problem );
+		path.min_d = file.min_d;
+		motions::startValues( file, *checker.model, path.notices );
+		append( path.notices, file.notices );
+		const std::vector<std::string> elsewhere = motions::startDifferences( file, *checker.problem );
+		if ( !elsewhere.empty() )
+		{
+			throw io::Error( path.file, "start_state", elsewhere.front(), "give the checker this state of the joints: Checker(..., reference=)" );
+		}
 		return path;
 	}
 	path.file = "path";
@@ -96,12 +123,12 @@ std::vector<double> toleranceOf( const PyChecker& checker, const std::string& fi
 	return motions::tolerances( *checker.problem, file, of_goal, tolerances );
 }
 
-nb::object auditPath( const PyChecker& checker, const nb::object& given, double min_d, const std::string& check, double resolution,
+nb::object auditPath( const PyChecker& checker, const nb::object& given, const std::optional<double>& min_d, const std::string& check, double resolution,
     double seconds )
 {
 	const Path path = pathOf( checker, given );
 	motions::AuditSettings settings;
-	settings.min_d = min_d;
+	settings.min_d = min_d.value_or( path.min_d );
 	settings.flags = checkFlags( check );
 	settings.resolution = resolution;
 	settings.time = seconds;
@@ -111,16 +138,16 @@ nb::object auditPath( const PyChecker& checker, const nb::object& given, double 
 		const nb::gil_scoped_release unlocked;
 		audit = motions::auditPath( *checker.problem, path.points, settings, path.file );
 	}
-	return dictOf( toJson( audit, settings ) );
+	return dictOf( toJson( audit, settings ), path.notices );
 }
 
-nb::object auditRoundings( const PyChecker& checker, const nb::object& given, double radius, double min_d, double slack,
+nb::object auditRoundings( const PyChecker& checker, const nb::object& given, double radius, const std::optional<double>& min_d, double slack,
     const std::string& check, const nb::object& tolerance )
 {
 	const Path path = pathOf( checker, given );
 	const std::vector<double> tolerances = toleranceOf( checker, "tolerance", {}, tolerance );
 	lw_edge_def def = lw_edge_def_default();
-	def.min_d = min_d;
+	def.min_d = min_d.value_or( path.min_d );
 	def.slack = slack;
 	def.flags = checkFlags( check );
 	def.tolerance = tolerances.empty() ? nullptr : tolerances.data();
@@ -129,7 +156,7 @@ nb::object auditRoundings( const PyChecker& checker, const nb::object& given, do
 		const nb::gil_scoped_release unlocked;
 		audit = motions::auditRoundings( *checker.problem, path.points, radius, def, path.file );
 	}
-	return dictOf( toJson( audit ) );
+	return dictOf( toJson( audit ), path.notices );
 }
 
 motions::JointLimits limitsOf( const nb::object& given )
@@ -190,14 +217,19 @@ nb::object auditTrajectory( const PyChecker& checker, const nb::object& times, c
 	settings.edge.flags = checkFlags( check );
 	settings.interpolation = interpolationOf( interpolation );
 	settings.limits = limitsOf( joint_limits );
+	std::vector<io::Notice> notices = settings.limits.notices;
+	const std::string limits_file = fileName( joint_limits );
+	motions::noteUnknownLimits( settings.limits, limits_file.empty() ? "joint_limits" : limits_file, *checker.model, notices );
+	motions::startValues( files, *checker.model, notices );
 	motions::Drive drive;
 	for ( const motions::TrajectoryFile& trajectory : files )
 	{
 		settings.tolerance = toleranceOf( checker, trajectory.file, trajectory.path_tolerance, tolerance );
 		const nb::gil_scoped_release unlocked;
 		drive.add( *checker.problem, *checker.model, trajectory, settings );
+		append( append( notices, trajectory.notices ), drive.notices() );
 	}
-	return dictOf( toJson( drive.whole() ) );
+	return dictOf( toJson( drive.whole() ), notices );
 }
 
 nb::object analysePairs( const PyRobot& robot, double seconds, const Whole& samples, const Whole& seed,
@@ -306,20 +338,22 @@ void bindAudits( nb::module_& module, nb::class_<PyChecker>& type )
 {
 	constexpr double slack = 1e-3;
 	const motions::AuditSettings usual;
-	type.def( "audit", &auditPath, "path"_a, nb::kw_only(), "min_d"_a = 0.0, "check"_a = "both", "resolution"_a = usual.resolution,
+	type.def( "audit", &auditPath, "path"_a, nb::kw_only(), "min_d"_a = nb::none(), "check"_a = "both", "resolution"_a = usual.resolution,
 	    "seconds"_a = usual.time,
-	    nb::sig( "def audit(self, path: numpy.typing.ArrayLike | str | os.PathLike, *, min_d: float = 0.0, check: str = 'both', "
+	    nb::sig( "def audit(self, path: numpy.typing.ArrayLike | str | os.PathLike, *, min_d: float | None = None, check: str = 'both', "
 	             "resolution: float = 0.0001, seconds: float = 60.0) -> dict[str, typing.Any]" ),
 	    "Measures a path by dense exact states, without the proofs of edges: the audit of `leeway audit`.\n\n"
-	    "path: float64 [n, dof], or a path file of `leeway plan`. resolution: metres, near contact no robot point moves farther between\n"
+	    "path: float64 [n, dof], or a path file of `leeway plan`, whose other joints have to stand where the checker has them. min_d: of the file\n"
+	    "unless given, else 0. resolution: metres, near contact no robot point moves farther between\n"
 	    "two states. seconds: then it ends, and the path is not valid. Returns the program's report: valid, problems, states, length, and\n"
-	    "of environment and self the least clearance with its pair and place, also between the states; profile in hundredths." );
-	type.def( "audit_roundings", &auditRoundings, "path"_a, "radius"_a, nb::kw_only(), "min_d"_a = 0.0, "slack"_a = slack,
+	    "of environment and self the least clearance with its pair and place, also between the states; profile in hundredths; notices, lines: what\n"
+	    "was read and has no say." );
+	type.def( "audit_roundings", &auditRoundings, "path"_a, "radius"_a, nb::kw_only(), "min_d"_a = nb::none(), "slack"_a = slack,
 	    "check"_a = "both", "tolerance"_a = nb::none(),
-	    nb::sig( "def audit_roundings(self, path: numpy.typing.ArrayLike | str | os.PathLike, radius: float, *, min_d: float = 0.0, "
+	    nb::sig( "def audit_roundings(self, path: numpy.typing.ArrayLike | str | os.PathLike, radius: float, *, min_d: float | None = None, "
 	             "slack: float = 0.001, check: str = 'both', tolerance: numpy.typing.ArrayLike | None = None) -> dict[str, typing.Any]" ),
 	    "Proves a path and all roundings of its corners that stay within `radius` (radians, metres) of them: `leeway audit --corner-blend`.\n\n"
-	    "Returns the program's report: verdict, corners, lower_bound; not FREE: the point, pair, clearance, state, and free_radius." );
+	    "Returns the program's report: verdict, corners, lower_bound, notices; not FREE: the point, pair, clearance, state, and free_radius. path, min_d: as for audit()." );
 	type.def( "audit_trajectory", &auditTrajectory, "times"_a, "positions"_a = nb::none(), "velocities"_a = nb::none(),
 	    "accelerations"_a = nb::none(), nb::kw_only(), "interpolation"_a = "auto", "joint_limits"_a = nb::none(), "min_d"_a = 0.0,
 	    "slack"_a = slack, "check"_a = "both", "tolerance"_a = nb::none(),
@@ -333,7 +367,8 @@ void bindAudits( nb::module_& module, nb::class_<PyChecker>& type )
 	    "times: a file (JointTrajectory, RobotTrajectory, DisplayTrajectory, FollowJointTrajectory goal, CSV), or float64 [n] seconds with\n"
 	    "positions, velocities, accelerations float64 [n, dof]. joint_limits: MoveIt's joint_limits.yaml, or {joint: {\"max_velocity\": x,\n"
 	    "\"max_acceleration\": y}}; other velocities are those of the URDF. tolerance: float64 [dof]. Returns the program's report: valid,\n"
-	    "verdict, lower_bound, problems (limits, jumps), the first violation with time, pair, clearance and state." );
+	    "verdict, lower_bound, problems (limits, jumps), the first violation with time, pair, clearance and state; notices, lines: what was read and has no say, and\n"
+	    "a way to a first point after 0 s that nobody proved." );
 	const pairs::Settings reach;
 	module.def( "pairs", &analysePairs, "robot"_a, nb::kw_only(), "seconds"_a = 15.0,
 	    "samples"_a.none() = reach.reach.def.samples, "seed"_a.none() = reach.reach.def.seed, "never_after"_a.none() = 0,

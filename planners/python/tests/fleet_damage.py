@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Damage to folders of results, and a probe that runs every command of leeway.fleet on them, many folders in one process.
 
+With LEEWAY_GUARD (tests/guard) nothing may be written, made or removed but in the folders of results.
+
 A command has ten seconds of processor time, and a minute of the clock: a blocked wait ends there, and a busy machine does not end anything.
 """
+import functools
 import hashlib
 import json
+import os
 import pathlib
 import shutil
 import subprocess
 import sys
+import tempfile
 
 import pytest
 
@@ -107,6 +112,21 @@ def everything_outside(folder):
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file() and not path.is_symlink() and "out" not in path.parts}
 
 
+@functools.lru_cache
+def font_list():
+    """Reports are drawn by matplotlib: at first it runs fc-list and keeps the list of fonts in a folder of its own."""
+    folder = tempfile.mkdtemp()
+    subprocess.run([sys.executable, "-c", "import matplotlib.font_manager"], env={**os.environ, "MPLCONFIGDIR": folder}, check=True)
+    return folder
+
+
+def guarded(places, log):
+    """Variables of a process that may write into these folders alone: as it is without the guard, which needs Linux."""
+    library = os.environ.get("LEEWAY_GUARD")
+    return {**os.environ, "LD_PRELOAD": library, "LEEWAY_GUARD_WRITES": ":".join(map(str, [*places, font_list()])), "LEEWAY_GUARD_LOG": str(log),
+        "MPLCONFIGDIR": font_list()} if library else dict(os.environ)
+
+
 def check_cases(made, tmp_path, cases, harmless):
     """Runs all commands on a folder of each case: name to a change of the results' folder. harmless: they need not be refused."""
     names = sorted(cases)
@@ -118,10 +138,13 @@ def check_cases(made, tmp_path, cases, harmless):
         (folder / "victim.txt").write_text(VICTIM)
         cases[name](folder / "out")
         before[place] = everything_outside(folder)
-    done = subprocess.run([sys.executable, "-c", PROBE, *folders], capture_output=True, text=True, timeout=600, check=False)
+    log = tmp_path / "guard.log"
+    done = subprocess.run([sys.executable, "-c", PROBE, *folders], capture_output=True, text=True, timeout=600, check=False,
+        env=guarded([f"{place}/out" for place in folders], log))
     answers = [eval(line) for line in done.stdout.splitlines()]  # of the probe
     begun = [line for line in done.stderr.splitlines() if line.split(" ")[0] in folders]
     assert done.returncode == 0, ("ended there", folders[begun[-1].split(" ")[0]] if begun else "", done.returncode, done.stderr[-1500:])
+    assert not log.exists(), log.read_text()
     told = {name: {} for name in names}
     for place, command, status, err in answers:
         name = folders[place]

@@ -15,11 +15,12 @@ ARM = ["--robot", str(FIRST / "arm.urdf"), "--srdf", str(FIRST / "arm.srdf")]
 SCENE = ["--scene", str(FIRST / "scene.yaml"), "--group", "arm"]
 JOINTS = ["yaw", "shoulder", "elbow", "wrist"]
 CLOCKS = {"seconds", "proof_seconds", "seconds_spent", "measured_us"}  # times of a run, the only numbers that may differ
+BESIDE = {"notices"}  # a report of the program has them beside its audit
 
 
 def without_clocks(value):
     if isinstance(value, dict):
-        return {key: without_clocks(entry) for key, entry in value.items() if key not in CLOCKS}
+        return {key: without_clocks(entry) for key, entry in value.items() if key not in CLOCKS | BESIDE}
     return [without_clocks(entry) for entry in value] if isinstance(value, list) else value
 
 
@@ -114,6 +115,47 @@ def test_an_audit_of_a_trajectory_differs_from_the_programs(name, program, stand
     assert found["verdict"] == ("BLOCKED" if name in ("blocked", "beyond its limit") else "FREE")
     for word in ("velocity", "acceleration", "position", "end of the one before"):
         assert (word in text) == (word in TOLD.get(name, ())), (word, text)
+
+
+def told_of(report, *parts):
+    """Each part is in a notice of its own."""
+    lines = list(report["notices"])
+    for part in parts:
+        found = [line for line in lines if part in line]
+        assert found, (part, lines)
+        lines.remove(found[0])
+    assert not lines
+
+
+def test_what_an_audit_leaves_out_is_not_told(program, standing, tmp_path):
+    file, limits = tmp_path / "trajectory.json", tmp_path / "joint_limits.yaml"
+    trajectory = message([(0.5, LEFT), (2, HOME)])  # from where to its first point?
+    trajectory["points"][0]["effort"] = [1, 2, 3, 4]
+    file.write_text(json.dumps(trajectory))
+    limits.write_text("joint_limits:\n  yaww: {has_velocity_limits: true, max_velocity: 1}\n"
+                      "  yaw: {has_velocity_limits: false, max_velocity: 2, max_jerk: 3}\n")
+    parts = ("first point comes after 0.5 s", "effort", "joint_limits.yaww", "max_jerk", "max_velocity")
+    told_of(standing.audit_trajectory(file, joint_limits=limits), *parts)
+    lines = " ".join(program("audit", [*SCENE, "--trajectory", file, "--joint-limits", limits])["notices"])
+    assert all(part in lines for part in parts)
+    told_of(standing.audit_trajectory([0, 1], [HOME, LEFT], joint_limits={"elbwo": {"max_velocity": 1}}), "joint_limits.elbwo")
+    told_of(standing.audit_trajectory([0, 1], [HOME, LEFT]))
+
+
+def test_a_path_file_is_read_in_part(program, standing, tmp_path):
+    file = tmp_path / "path.yaml"
+    text = path_text(PATHS["over the desk"])
+    file.write_text("min_d: 0.003\nplanned_by: hand\nstart_state: {joint_state: {name: [grip, tail], position: [0.0, 1.0]}}\n" + text)
+    found = standing.audit(file, resolution=0.001)
+    told_of(found, "planned_by", "tail")
+    told_of(standing.audit_roundings(file, 0.01), "planned_by", "tail")
+    told = program("audit", [*SCENE, "--path", file, "--resolution", 0.001])
+    assert without_clocks(told["audit"]) == without_clocks(found) == without_clocks(standing.audit(file, min_d=0.003, resolution=0.001))
+    assert found["min_d"] == 0.003 and len(told["notices"]) >= 2
+    file.write_text("start_state: {joint_state: {name: [grip], position: [0.04]}}\n" + text)
+    for audit in (standing.audit, lambda path: standing.audit_roundings(path, 0.01)):
+        with pytest.raises(leeway.InputError, match="grip is at 0.04"):
+            audit(file)
 
 
 def test_arrays_and_files_of_a_trajectory_differ(standing, tmp_path):

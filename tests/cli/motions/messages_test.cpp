@@ -163,6 +163,7 @@ TEST_F( CliMessages, JointLimitsAreDropped )
 	          std::pair( std::string( "joint_limits: {shoulder: {has_velocity_limits: [[1]]}}\n" ), "neither true nor false" ),
 	          std::pair( std::string( "joint_limits: {shoulder: {has_velocity_limit: true}}\n" ), "is has_velocity_limits meant?" ),
 	          std::pair( std::string( "joint_limits: {shoulder: {zebra: 1}}\n" ), "zebra" ), std::pair( std::string( "joint_limits: {shoulder: 3}\n" ), "is no map" ),
+	          std::pair( std::string( "joint_limits: {shoulder: {has_velocity_limits: false, max_velocity: x}}\n" ), "max_velocity" ),
 	          std::pair( on + "zebra: 1\n", "zebra" ), std::pair( on + "---\n" + on, "several YAML documents" ),
 	          std::pair( std::string( "joint_limits: {shoulder: {max_velocity: x}}\n" ), "there is no has_velocity_limits" ) } )
 	{

@@ -262,6 +262,8 @@ TEST_F( OctomapTest, MessagesThatCannotBe )
 	    ", leeway_unknown: occupied, leeway_bounds: {min: [0, 0, 0], max: [1, 1, 0]}" );
 	bad( "OcTree", true, "[1, 0]", { "leeway_unkown", "is leeway_unknown meant?" }, ", leeway_unkown: free" );
 	bad( "OcTree", true, "!!binary \"%\"", { "base64" } );
+	bad( "OcTree", true, "!!binary \"qgI\xc3\xa9\"", { "base64" } );
+	bad( "OcTree", true, "!!binary \"\xf4\x8f\xbf\xbf\"", { "base64" } );
 	bad( "OcTree", false, list( std::string( "\0\0\xc0\x7f\0", 5 ) ), { "not a number" } ); // NaN
 	// As deep as the bytes say: each cell has one child of its own
 	bad( "OcTree", true, list( std::string( 100000, '\3' ) ), { "below the finest level" } );

@@ -3,6 +3,7 @@
 #include "base/io_internal.hpp"
 #include "leeway/io/printable.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <fmt/format.h>
 #include <limits>
@@ -49,9 +50,10 @@ std::string printable( const std::string& text )
 		const std::size_t count = characterBytes( std::string_view( text ).substr( i ) );
 		const unsigned char c = static_cast<unsigned char>( text[i] );
 		const bool blank = c == '\n' || c == '\r' || c == '\t';
-		const bool control = ( c < 0x20 && !blank ) || c == 0x7f;
-		out += blank ? " " : count == 0 || control ? fmt::format( "\\x{:02x}", c ) : text.substr( i, count );
-		i += count == 0 ? 1 : count;
+		const bool high = count == 2 && c == 0xc2 && static_cast<unsigned char>( text[i + 1] ) < 0xa0; // U+0080 to U+009F
+		const bool bytes = count == 0 || ( c < 0x20 && !blank ) || c == 0x7f || high;
+		out += blank ? " " : bytes ? fmt::format( "\\x{:02x}", c ) : text.substr( i, count );
+		i += high ? 1 : std::max<std::size_t>( count, 1 );
 	}
 	return out;
 }

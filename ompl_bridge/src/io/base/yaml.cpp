@@ -378,8 +378,11 @@ std::string YamlNode::bytes() const
 {
 	if ( isScalar() && m_node.Tag() == "tag:yaml.org,2002:binary" )
 	{
-		std::vector<unsigned char> bytes = YAML::DecodeBase64( m_node.Scalar() );
-		if ( bytes.empty() && !m_node.Scalar().empty() )
+		// yaml-cpp 0.7 looks characters above 127 up before the beginning of its table
+		const std::string& text = m_node.Scalar();
+		const bool ascii = std::all_of( text.begin(), text.end(), []( unsigned char c ) { return c < 128; } );
+		const std::vector<unsigned char> bytes = ascii ? YAML::DecodeBase64( text ) : std::vector<unsigned char>();
+		if ( bytes.empty() && !text.empty() )
 		{
 			fail( "is not base64", "write !!binary and base64, or a list of numbers" );
 		}

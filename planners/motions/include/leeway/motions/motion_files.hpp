@@ -32,6 +32,10 @@ Values standing( const io::RobotModel& robot, const io::Request* request, const 
 void noteUnknownLimits(
     const JointLimits& limits, const std::string& file, const io::RobotModel& robot, std::vector<io::Notice>& notices );
 
+/// Joints outside of the group that stand elsewhere in the file's start state than in the problem, for which a proof or an audit
+/// holds: sentences, empty if there are none.
+std::vector<std::string> startDifferences( const PathFile& path, const io::Problem& problem );
+
 /// The points as states of the group, in its order. @throws io::Error
 std::vector<std::vector<double>> groupPoints( const PathFile& path, const io::Problem& problem );
 
