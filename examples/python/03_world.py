@@ -16,7 +16,7 @@ import leeway
 try:
     from leeway.retime import retime
 except ImportError as error:
-    sys.exit(f"{error}: pip install leeway[retime]")
+    sys.exit(f"{error}: pip install leeway-robotics[retime]")
 
 first = pathlib.Path(__file__).resolve().parents[1] / "first"
 out = sys.argv[1] if len(sys.argv) > 1 else "world.png"

@@ -47,7 +47,7 @@ add_licences()
 	local wheel=$1 tree package library
 	rm -rf "$scratch/tree"
 	"$scratch/tools/bin/python" -m wheel unpack --dest "$scratch/tree" "$wheel" >/dev/null
-	tree=$( echo "$scratch"/tree/leeway-* )
+	tree=$( echo "$scratch"/tree/leeway_robotics-* )
 	mkdir -p "$tree/leeway/licences"
 	cp LICENSE "$tree/leeway/licences/leeway.txt"
 	for library in $( ldd "$tree"/leeway/_core.*so | awk '/=> \// { print $3 }' ); do
@@ -91,10 +91,10 @@ tests=$( realpath planners/python/tests )
 for python in "$@"; do
 	tag=$( tag_of "$python" )
 	if [ ! -e "$scratch/raw-$tag" ]; then
-		rm -f "$out"/leeway-*-"$tag"-*.whl
+		rm -f "$out"/leeway_robotics-*-"$tag"-*.whl
 		make_wheel "$python"
 	fi
-	wheel=$( echo "$out"/leeway-*-"$tag"-*.whl )
+	wheel=$( echo "$out"/leeway_robotics-*-"$tag"-*.whl )
 	size=$( stat -c %s "$wheel" )
 	result=$( try_wheel "$python" "$wheel" )
 	echo "Python $( version_of "$python" ): $( basename "$wheel" ), $size bytes: $result"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Fast trajectories along proved paths: time-optimal by toppra (`pip install leeway[retime]`), then proved as they are driven.
+"""Fast trajectories along proved paths: time-optimal by toppra (`pip install leeway-robotics[retime]`), then proved as they are driven.
 
     trajectory = leeway.retime.retime( checker, plan.path, velocity=1.0, acceleration=2.0 )
     trajectory.times, trajectory.positions, trajectory.velocities       # to a joint trajectory controller

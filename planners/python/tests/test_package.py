@@ -22,6 +22,13 @@ def test_versions_are_equal():
     assert leeway.__version__ == of_cmake == of_wheel
 
 
+def test_no_page_names_the_other_project_of_the_package_index():
+    name = re.search(r'^name = "([^"]+)"', (HERE / "pyproject.toml").read_text(), re.MULTILINE).group(1)
+    listed = subprocess.run(["git", "grep", "-hoE", "pip install [^ ]+"], cwd=ROOT, capture_output=True, text=True, check=False).stdout
+    named = {re.match(r"[\w.-]*", word.split()[2].strip("\"'`")).group(0) for word in listed.splitlines()}
+    assert name != "leeway" and name in named and "leeway" not in named
+
+
 def public_members():
     for name in leeway.__all__:
         value = getattr(leeway, name)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Campaigns beyond one process: labels, plans and audits by the million, from a TOML file (`pip install leeway[fleet]`).
+"""Campaigns beyond one process: labels, plans and audits by the million, from a TOML file (`pip install leeway-robotics[fleet]`).
 
     python -m leeway.fleet run campaign.toml --workers 8
 
