@@ -109,7 +109,7 @@ void checkPackagePaths( const std::vector<std::string>& entries )
 	}
 }
 
-/// A group of a robot that has none, and what all pairs mean.
+/// Refuses a group of a robot that has none, and tells of --strict without an SRDF.
 void checkWithoutSrdf( const CommonOptions& options, const io::RobotModel& robot, Notices& notices )
 {
 	if ( !options.srdf.empty() )
