@@ -7,7 +7,7 @@
 
 A house is a folder whose subfolders are rooms, listed below from the ground floor up. A file may include headers of its own room
 and of the rooms before it in the list. In the core, whose objects are in the build folder, the same holds for calls; and the calls
-between files of one room have no circle, except for the rooms in House.circles.
+between files of one room have no circle.
 """
 import argparse
 import dataclasses
@@ -25,7 +25,6 @@ class House:
     folder: str
     rooms: list  # (name, contents), ground floor first
     objects: str = ""  # folder of its objects below the build folder
-    circles: tuple = ()  # rooms whose files may call each other in a circle
     public: dict = dataclasses.field(default_factory=dict)  # room of the installed headers leeway/KEY/*, where the names differ
 
 
@@ -43,7 +42,7 @@ HOUSES = [
         ("motion", "are all states of an edge free?"),
         ("approximate", "simplification, enclosing spheres: offline, no room includes it"),
         ("blob", "shapes and reachability as bytes"),
-    ], "core/CMakeFiles/leeway_core.dir/src", ("motion", "shape")),
+    ], "core/CMakeFiles/leeway_core.dir/src"),
     House("ompl_bridge/src/io", [
         ("base", "errors, limits, names, paths of packages; bytes, XML and YAML"),
         ("cache", "the cache folder and the format of its files"),
@@ -152,7 +151,7 @@ def circles(listings):
 
 def circle_problems(house, listings):
     return [f"{house.folder}/{room}: {', '.join(names)} call each other in a circle; move a function or a file, so that calls go one way"
-            for room, names in circles(listings) if room not in house.circles]
+            for room, names in circles(listings)]
 
 
 def listings_of(root, build, house):

@@ -83,19 +83,6 @@ lw_status lw_shape_create_deferred( const lw_deferred_def* def, const lw_allocat
 	return LW_OK;
 }
 
-void lwi_deferred_free( const lw_allocator* allocator, lwi_deferred* deferred )
-{
-	if ( deferred != NULL )
-	{
-		lw_shape_release( atomic_load_explicit( &deferred->made, memory_order_acquire ) );
-		if ( deferred->def.release != NULL )
-		{
-			deferred->def.release( deferred->def.user );
-		}
-		lwi_free( allocator, deferred, sizeof( lwi_deferred ) );
-	}
-}
-
 /// Fails unless `made` is a mesh within the box of the shape, which earlier queries have used.
 static lw_status check_made( const lw_shape* shape, const lw_shape* made, lw_diag* diag )
 {

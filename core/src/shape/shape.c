@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Shapes: creation from meshes and dimensions, bounds, lifetime, accessors. Sets of points, spheres, boxes: shape/sets.c.
+// Shapes: creation from meshes and dimensions, bounds, accessors. Sets of points, spheres, boxes: shape/sets.c.
 #include "shape/shape.h"
 
 #include "base/math_inline.h"
@@ -43,42 +43,6 @@ lw_status lwi_check_tree_def( const lw_tree_def* def, lw_diag* diag )
 			"tree.tile_radius is %g; give metres > 0, or 0 to bound whole triangles", def->tile_radius );
 	}
 	return LW_OK;
-}
-
-lw_shape* lwi_shape_new( lw_shape_type type, const lw_allocator* allocator )
-{
-	lw_shape* shape = lwi_alloc_zero( allocator, 1, sizeof( lw_shape ) );
-	if ( shape != NULL )
-	{
-		atomic_init( &shape->references, 1u );
-		shape->allocator = *allocator;
-		shape->type = type;
-		shape->family = lwi_family_of( type );
-		shape->primitive = shape->family == LWI_CONVEX || shape->family == LWI_UNBOUNDED;
-		shape->root = LW_INVALID_INDEX;
-		shape->bytes = sizeof( lw_shape );
-	}
-	return shape;
-}
-
-static void free_shape( lw_shape* shape )
-{
-	lw_allocator allocator = shape->allocator;
-	lwi_deferred_free( &allocator, shape->deferred );
-	lwi_free( &allocator, shape->vertices, 3 * (size_t)shape->vertex_count * sizeof( double ) );
-	lwi_free( &allocator, shape->indices, 3 * (size_t)shape->item_count * sizeof( uint32_t ) );
-	lwi_free( &allocator, shape->components, shape->item_count * sizeof( uint32_t ) );
-	lwi_free( &allocator, shape->radii, shape->item_count * sizeof( double ) );
-	lwi_free( &allocator, shape->nodes, shape->node_count * sizeof( lwi_node ) );
-	if ( shape->obbs != NULL )
-	{
-		lwi_free( &allocator, shape->obbs, shape->node_count * sizeof( lwi_obb8 ) );
-	}
-	lwi_shape_free_extreme_points( shape );
-	lwi_free( &allocator, shape->leaves, shape->leaf_count * sizeof( lwi_leaf ) );
-	lwi_free( &allocator, shape->ball_leaves, shape->leaf_count * sizeof( lwi_ball_leaf ) );
-	lwi_free( &allocator, shape->box_leaves, shape->leaf_count * sizeof( lwi_box_leaf ) );
-	lwi_free( &allocator, shape, sizeof( lw_shape ) );
 }
 
 // Bounds
@@ -292,7 +256,7 @@ lw_status lwi_mesh_shape( const lw_mesh_def* def, double radius, const lw_alloca
 	status = status == LW_OK ? lwi_shape_build( shape, &def->tree, diag ) : status;
 	if ( status != LW_OK )
 	{
-		free_shape( shape );
+		lw_shape_release( shape );
 		return status;
 	}
 	*out_shape = shape;
@@ -455,33 +419,14 @@ lw_status lw_shape_create_primitive( lw_shape_type type, const double dimensions
 	}
 	if ( status != LW_OK )
 	{
-		free_shape( shape );
+		lw_shape_release( shape );
 		return status;
 	}
 	*out_shape = shape;
 	return LW_OK;
 }
 
-// Lifetime and accessors
-
-lw_shape* lw_shape_retain( const lw_shape* shape )
-{
-	// the count is the one thing that changes in a shared, otherwise constant object
-	lw_shape* counted = (lw_shape*)(uintptr_t)shape;
-	if ( counted != NULL )
-	{
-		lwi_retain( &counted->references );
-	}
-	return counted;
-}
-
-void lw_shape_release( lw_shape* shape )
-{
-	if ( shape != NULL && lwi_release( &shape->references ) )
-	{
-		free_shape( shape );
-	}
-}
+// Accessors
 
 /// True if the vertices are the caller's geometry, not an inner matter.
 static bool has_public_vertices( const lw_shape* shape )

@@ -180,8 +180,6 @@ void lwi_prefetch_note( lwi_prefetch* prefetch, const lw_shape* shape );
 /// Hands over the noted shapes, if there are at least two.
 void lwi_prefetch_flush( lwi_prefetch* prefetch );
 
-void lwi_deferred_free( const lw_allocator* allocator, lwi_deferred* deferred ); ///< NULL is ignored
-
 /// Radius of a ball, dilation of any other item.
 static inline double lwi_item_radius( const lw_shape* shape, uint32_t item )
 {
