@@ -140,7 +140,12 @@ void draw( const io::Problem& problem, std::mt19937_64& random, std::vector<doub
 	{
 		const lw_variable_info info = lw_robot_variable( problem.robot.get(), problem.variables[i] );
 		const bool bounded = std::isfinite( info.lower ) && std::isfinite( info.upper ) && !info.wraps;
-		const double lower = bounded ? info.lower : info.wraps ? -pi : -1, upper = bounded ? info.upper : info.wraps ? pi : 1;
+		const double lower = bounded      ? info.lower
+		                     : info.wraps ? -pi
+		                                  : -1,
+		             upper = bounded      ? info.upper
+		                     : info.wraps ? pi
+		                                  : 1;
 		const double share = static_cast<double>( random() >> 11 ) * 0x1p-53;
 		q[i] = lower + ( upper - lower ) * share;
 		if ( lw_robot_joint_type( problem.robot.get(), info.joint ) == LW_JOINT_FLOATING && info.component == 6 )
@@ -169,7 +174,8 @@ Values randomFreeState( const std::string& option, const Input& input, const std
 	{
 		draw( problem, random, q );
 		bool free = false;
-		const lw_status status = lw_checker_is_free( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, input.min_d, &free, nullptr );
+		const lw_status status =
+		    lw_checker_is_free( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, input.min_d, &free, nullptr );
 		if ( status == LW_OK && free )
 		{
 			Values values;
@@ -269,9 +275,10 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 	if ( !options.goal.empty() )
 	{
 		const std::string wanted = options.common.group.empty() ? request.group : options.common.group;
-		const End goal = isRandom( options.goal, input.robot )
-		                     ? End{ randomFreeState( "--goal random", withRequest( input, request ), wanted, 2 * options.seed + 1 ), "" }
-		                     : parse( "--goal", options.goal, wanted, input.robot );
+		const End goal =
+		    isRandom( options.goal, input.robot )
+		        ? End{ randomFreeState( "--goal random", withRequest( input, request ), wanted, 2 * options.seed + 1 ), "" }
+		        : parse( "--goal", options.goal, wanted, input.robot );
 		state_group = goal.group;
 		clearGoal( request, ends, "--goal" );
 		for ( const auto& [name, value] : goal.values )
@@ -296,9 +303,10 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 	if ( !options.start.empty() )
 	{
 		const std::string wanted = ends.group.empty() ? state_group : ends.group;
-		const End start = isRandom( options.start, input.robot )
-		                      ? End{ randomFreeState( "--start random", withRequest( input, request ), wanted, 2 * options.seed ), "" }
-		                      : parse( "--start", options.start, wanted, input.robot );
+		const End start =
+		    isRandom( options.start, input.robot )
+		        ? End{ randomFreeState( "--start random", withRequest( input, request ), wanted, 2 * options.seed ), "" }
+		        : parse( "--start", options.start, wanted, input.robot );
 		if ( ends.group.empty() && !state_group.empty() && !start.group.empty() && start.group != state_group )
 		{
 			wrong( "--start",

@@ -137,7 +137,9 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	    { true, true, false, true, true,
 	        "planning group of the SRDF (default: of the request, --goal or --start, else all joints)" } );
 	addEdgeOptions( *command, options.edge );
-	command->add_option( "--goal", options.goal, "joint=value,..., a group_state, or random; other joints keep their start value" )
+	command
+	    ->add_option(
+	        "--goal", options.goal, "joint=value,..., a group_state, or random; other joints keep their start value" )
 	    ->type_name( "GOAL" );
 	command
 	    ->add_option( "--goal-pose", options.goal_poses, "LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW in the planning frame; repeatable" )
@@ -495,7 +497,8 @@ std::string misspeltOption( const CLI::App& command, int argc, char** argv )
 	for ( int i = 2; i < argc; ++i )
 	{
 		const std::string word = std::string( argv[i] ).substr( 0, std::string( argv[i] ).find( '=' ) );
-		const bool unknown = word.size() > 2 && word.compare( 0, 2, "--" ) == 0 && std::find( known.begin(), known.end(), word ) == known.end();
+		const bool unknown = word.size() > 2 && word.compare( 0, 2, "--" ) == 0 &&
+		                     std::find( known.begin(), known.end(), word ) == known.end();
 		const std::vector<std::string> nearest = unknown ? nearNames( word, known, 1 ) : std::vector<std::string>();
 		if ( !nearest.empty() )
 		{

@@ -120,9 +120,8 @@ lw_check_flags CommonOptions::checkFlags() const
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs )
 {
 	const std::string model = "Model";
-	CLI::Option* robot = app.add_option( "--robot", options.robot, "robot description: URDF or MJCF" )
-	                         ->type_name( "R.urdf" )
-	                         ->group( model );
+	CLI::Option* robot =
+	    app.add_option( "--robot", options.robot, "robot description: URDF or MJCF" )->type_name( "R.urdf" )->group( model );
 	if ( needs.robot )
 	{
 		robot->required();
@@ -141,8 +140,10 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 		          ->group( model ) );
 	}
 	app.add_flag( "--visual", options.visual, "use visual geometry for links without collision geometry" )->group( model );
-	rare( app.add_flag( "--strict", options.strict, "every unknown name in the SRDF is an error, even if it is not used; without an SRDF all pairs of links are checked" )
-	          ->group( model ) );
+	rare(
+	    app.add_flag( "--strict", options.strict,
+	           "every unknown name in the SRDF is an error, even if it is not used; without an SRDF all pairs of links are checked" )
+	        ->group( model ) );
 	app.add_option( "--package-path", options.package_paths,
 	       "folder for package://NAME/...: contains NAME, is called NAME, or NAME=FOLDER; repeatable" )
 	    ->type_name( "DIR" )

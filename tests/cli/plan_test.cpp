@@ -240,7 +240,9 @@ TEST_F( CliPlan, DegreesAreOnlyBeyondALimit )
 {
 	const Outcome degrees = runModel( "plan", { "--goal", "shoulder=90", "--out", "path.yaml" } );
 	EXPECT_EQ( degrees.status, 2 );
-	EXPECT_TRUE( contains( degrees.err, "90 is above its limit 2 (90 degrees are 1.5708: were degrees meant? Values are radians)" ) ) << degrees.err;
+	EXPECT_TRUE(
+	    contains( degrees.err, "90 is above its limit 2 (90 degrees are 1.5708: were degrees meant? Values are radians)" ) )
+	    << degrees.err;
 	for ( const char* goal : { "shoulder=2.5", "shoulder=150" } ) // near the limit; beyond it as degrees too
 	{
 		const Outcome radians = runModel( "plan", { "--goal", goal, "--out", "path.yaml" } );

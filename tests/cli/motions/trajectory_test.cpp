@@ -265,7 +265,8 @@ TEST_F( CliTrajectory, BoundsBetweenStatesCountTheMotionOfBothBodies )
 		"<collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link><joint name='rail' type='prismatic'><parent link='base'/><child link='cart'/>"
 		"<axis xyz='1 0 0'/><limit lower='0' upper='2' effort='1' velocity='1'/></joint></robot>" );
 	write( "p.yaml", "joint_names: [rail]\npoints: [[1], [0.3]]\n" );
-	const Outcome outcome = run( { "audit", "--robot", "rail.urdf", "--strict", "--path", "p.yaml", "--report", "r.json", "--profile", "p.csv" } );
+	const Outcome outcome = run(
+	    { "audit", "--robot", "rail.urdf", "--strict", "--path", "p.yaml", "--report", "r.json", "--profile", "p.csv" } );
 	ASSERT_EQ( outcome.status, 0 ) << outcome.err;
 	const Table samples = parseTable( readFile( path( "p.csv" ) ) );
 	double expected = 9;

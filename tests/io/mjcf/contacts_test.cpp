@@ -57,11 +57,13 @@ TEST_F( MjcfTest, APairOverrulesTheOthers )
 
 TEST_F( MjcfTest, GeomsOfPairsMeetEachOther )
 {
-	const RobotModel model = load( chain( "", "contype=\"0\" conaffinity=\"0\"", "contype=\"0\" conaffinity=\"0\"", "<geom name=\"w\" size=\"1\"/>" ) +
-	                               "<contact><pair geom1=\"w\" geom2=\"gb\"/><pair geom1=\"ga\" geom2=\"gc\"/></contact>" );
+	const RobotModel model = load(
+	    chain( "", "contype=\"0\" conaffinity=\"0\"", "contype=\"0\" conaffinity=\"0\"", "<geom name=\"w\" size=\"1\"/>" ) +
+	    "<contact><pair geom1=\"w\" geom2=\"gb\"/><pair geom1=\"ga\" geom2=\"gc\"/></contact>" );
 	EXPECT_EQ( reason( model, "world", "b" ), "checked" );
 	EXPECT_EQ( reason( model, "a", "c" ), "checked" );
-	EXPECT_EQ( reason( model, "world", "c" ), "contype and conaffinity in the MJCF" ) << "each collides with another partner only";
+	EXPECT_EQ( reason( model, "world", "c" ), "contype and conaffinity in the MJCF" )
+	    << "each collides with another partner only";
 }
 
 TEST_F( MjcfTest, MixedMasksAreCheckedAsAWhole )

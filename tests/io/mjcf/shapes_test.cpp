@@ -189,7 +189,8 @@ TEST_F( MjcfShapes, HeightFieldOfAColourPictureHasOtherHeights )
 	png_alloc_size_t size = file.size();
 	ASSERT_NE( png_image_write_to_memory( &image, file.data(), &size, 0, pixels, 0, nullptr ), 0 );
 	write( "h.png", file.substr( 0, size ) );
-	const PlacedShape h = shapes( "<geom type=\"hfield\" hfield=\"h\"/>", "<asset><hfield file=\"h.png\" size=\"1 1 2 1\"/></asset>" ).at( 0 );
+	const PlacedShape h =
+	    shapes( "<geom type=\"hfield\" hfield=\"h\"/>", "<asset><hfield file=\"h.png\" size=\"1 1 2 1\"/></asset>" ).at( 0 );
 	EXPECT_NEAR( reach( h, 1, -1, 1 ), 1 + 1 + 2, 1e-12 ) << "255: the last pixel is at the greatest x and the least y";
 	EXPECT_NEAR( reach( h, -1, -1, 1 ), 1 + 1 + 2 * 100.0 / 255, 1e-12 );
 }

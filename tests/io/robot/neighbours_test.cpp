@@ -10,15 +10,17 @@ namespace
 std::string linkXml( const std::string& name, double radius )
 {
 	const std::string shape =
-	    radius > 0 ? "<collision><geometry><sphere radius=\"" + std::to_string( radius ) + "\"/></geometry></collision>" : "";
+	    radius > 0 ? "<collision><geometry><sphere radius=\"" + std::to_string( radius ) + "\"/></geometry></collision>"
+	               : "";
 	return "<link name=\"" + name + "\">" + shape + "</link>";
 }
 
 std::string jointXml( const std::string& name, const std::string& parent, const std::string& child, const std::string& x,
     const std::string& type = "revolute", const std::string& reach = "1.5" )
 {
-	return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent + "\"/><child link=\"" + child + "\"/><origin xyz=\"" + x +
-	       " 0 0\"/><axis xyz=\"0 0 1\"/><limit lower=\"-" + reach + "\" upper=\"" + reach + "\"/></joint>";
+	return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent + "\"/><child link=\"" + child +
+	       "\"/><origin xyz=\"" + x + " 0 0\"/><axis xyz=\"0 0 1\"/><limit lower=\"-" + reach + "\" upper=\"" + reach +
+	       "\"/></joint>";
 }
 
 class NeighboursTest : public FileTest
@@ -29,9 +31,10 @@ protected:
 	{
 		LoadOptions options;
 		options.strict = strict;
-		return loadRobot( write( "r.urdf", "<robot name=\"r\">" + linkXml( "a", 0.1 ) + linkXml( "b", 0.1 ) + linkXml( "frame", 0 ) +
-		                                       linkXml( "c", radius_of_c ) + jointXml( "j", "a", "b", "1" ) + jointXml( "k", "b", "frame", "0.5" ) +
-		                                       jointXml( "l", "frame", "c", "0.5" ) + "</robot>" ),
+		return loadRobot(
+		    write( "r.urdf", "<robot name=\"r\">" + linkXml( "a", 0.1 ) + linkXml( "b", 0.1 ) + linkXml( "frame", 0 ) +
+		                         linkXml( "c", radius_of_c ) + jointXml( "j", "a", "b", "1" ) +
+		                         jointXml( "k", "b", "frame", "0.5" ) + jointXml( "l", "frame", "c", "0.5" ) + "</robot>" ),
 		    "", options );
 	}
 };
@@ -45,7 +48,8 @@ TEST_F( NeighboursTest, LinksThatAJointJoinsMayTouch )
 	EXPECT_EQ( model.disabled[0].reason, "Adjacent (joined by j)" );
 	EXPECT_EQ( model.disabled[1].link1 + " " + model.disabled[1].link2, "b c" ) << "a link without geometry is no neighbour";
 	EXPECT_TRUE( isComputedReason( model.disabled[1].reason ) ) << "leeway pairs decides anew";
-	EXPECT_NOTICE( model.report.notices, "contact of 2 pairs of links is allowed, and checked with --strict: a - b (joined by j), b - c" );
+	EXPECT_NOTICE( model.report.notices,
+	    "contact of 2 pairs of links is allowed, and checked with --strict: a - b (joined by j), b - c" );
 }
 
 TEST_F( NeighboursTest, LinksInContactInAllStatesMayTouch )
@@ -59,9 +63,11 @@ TEST_F( NeighboursTest, LinksInContactInAllStatesMayTouch )
 
 TEST_F( NeighboursTest, StatesWithoutPosesAreTakenForContact )
 {
-	const RobotModel model = loadRobot( write( "r.urdf", "<robot name=\"r\">" + linkXml( "a", 1 ) + linkXml( "b", 0.1 ) + linkXml( "c", 1 ) +
-	                                                         jointXml( "j", "a", "b", "0.1", "prismatic", "1e308" ) + jointXml( "k", "b", "c", "0.1" ) + "</robot>" ),
-	    "" );
+	const RobotModel model =
+	    loadRobot( write( "r.urdf", "<robot name=\"r\">" + linkXml( "a", 1 ) + linkXml( "b", 0.1 ) + linkXml( "c", 1 ) +
+	                                    jointXml( "j", "a", "b", "0.1", "prismatic", "1e308" ) +
+	                                    jointXml( "k", "b", "c", "0.1" ) + "</robot>" ),
+	        "" );
 	EXPECT_EQ( model.disabled.size(), 2u ) << "a and c are in contact at zero, and the other states are beyond all numbers";
 }
 

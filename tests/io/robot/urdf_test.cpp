@@ -125,18 +125,22 @@ TEST_F( UrdfTest, VisualGeometryIsNeverUsedSilently )
 TEST_F( UrdfTest, ShapesOfSizeZeroAreRefused )
 {
 	const std::string box = "<collision><geometry><box size=\"1 1 1\"/></geometry></collision>";
-	const RobotModel model = load( linkXml( "a", "<collision><geometry><box size=\"0 0 0\"/></geometry></collision>" + box ) +
-	                               linkXml( "b", "<collision><geometry><sphere radius=\"0.0\"/></geometry></collision>"
-	                                             "<collision><geometry><cylinder radius=\"0\" length=\"0\"/></geometry></collision>" ) +
-	                               jointXml( "j", "fixed", "a", "b" ) );
+	const RobotModel model =
+	    load( linkXml( "a", "<collision><geometry><box size=\"0 0 0\"/></geometry></collision>" + box ) +
+	          linkXml( "b", "<collision><geometry><sphere radius=\"0.0\"/></geometry></collision>"
+	                        "<collision><geometry><cylinder radius=\"0\" length=\"0\"/></geometry></collision>" ) +
+	          jointXml( "j", "fixed", "a", "b" ) );
 	EXPECT_EQ( model.links.at( 0 ).collision.size(), 1u );
 	EXPECT_EQ( model.report.links_without_geometry, std::vector<std::string>{ "b" } );
 	EXPECT_NOTICE( model.report.notices, "shapes of size zero are left out, 3 of links: a (line " );
 	// a plate and a line are shapes: nothing of them may be lost
-	expectBad( linkXml( "a", "<collision><geometry><box size=\"1 1 0\"/></geometry></collision>" ), { "collision 1", "1 x 1 x 0" } );
-	expectBad( linkXml( "a", "<collision><geometry><cylinder radius=\"0\" length=\"1\"/></geometry></collision>" ), { "collision 1" } );
+	expectBad( linkXml( "a", "<collision><geometry><box size=\"1 1 0\"/></geometry></collision>" ),
+	    { "collision 1", "1 x 1 x 0" } );
+	expectBad( linkXml( "a", "<collision><geometry><cylinder radius=\"0\" length=\"1\"/></geometry></collision>" ),
+	    { "collision 1" } );
 	expectBad( linkXml( "a", "<collision><geometry><box size=\"0 0\"/></geometry></collision>" ), { "collision 1" } );
-	expectBad( linkXml( "a", "<collision><geometry><sphere radius=\"0\"/><box size=\"1 1 1\"/></geometry></collision>" ), { "several shapes" } );
+	expectBad( linkXml( "a", "<collision><geometry><sphere radius=\"0\"/><box size=\"1 1 1\"/></geometry></collision>" ),
+	    { "several shapes" } );
 }
 
 TEST_F( UrdfTest, OneNoticeForAllLinksThatAreAlike )

@@ -98,7 +98,8 @@ bool beginsAsXml( const std::string& content )
 {
 	const std::size_t bom = content.compare( 0, 3, "\xEF\xBB\xBF" ) == 0 ? 3 : 0;
 	const std::size_t first = content.find_first_not_of( " \t\r\n", bom );
-	return first != std::string::npos && content[first] == '<' && content.compare( first, 2, "<<" ) != 0; // <<: is a key of YAML
+	return first != std::string::npos && content[first] == '<' &&
+	       content.compare( first, 2, "<<" ) != 0; // <<: is a key of YAML
 }
 
 std::optional<XmlProblem> parseXml( tinyxml2::XMLDocument& document, std::string content )

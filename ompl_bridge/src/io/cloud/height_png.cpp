@@ -35,7 +35,7 @@ struct PngFile
 	char message[160] = "";
 	png_uint_32 width = 0, height = 0;
 	bool any_picture = false;
-	int depth = 0, stride = 0; ///< bits of a sample; bytes of a pixel
+	int depth = 0, stride = 0;             ///< bits of a sample; bytes of a pixel
 	std::vector<double>* values = nullptr; ///< rows as they come, the highest y first
 	std::vector<unsigned char>* row = nullptr;
 };

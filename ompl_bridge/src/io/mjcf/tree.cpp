@@ -195,8 +195,7 @@ void TreeReader::readRange( const XMLElement& e, const Place& place, Joint& join
 	const XMLElement* limited = m_defaults.find( e, place.child_class, "limited" );
 	const std::string wanted =
 	    limited != nullptr ? m_document.word( *limited, what, "limited", { "true", "false", "auto" } ) : "auto";
-	const std::vector<double> given =
-	    range != nullptr ? m_document.range( *range, what ) : std::vector<double>( 2, 0.0 );
+	const std::vector<double> given = range != nullptr ? m_document.range( *range, what ) : std::vector<double>( 2, 0.0 );
 	if ( wanted == "false" || ( wanted == "auto" && range == nullptr ) )
 	{
 		return;
@@ -396,7 +395,9 @@ void TreeReader::readGeom( const XMLElement& e, const Place& place )
 	geom.element = &e;
 	geom.name = nameOf( e, "geom", place );
 	const std::string what =
-	    geom.name.empty() ? fmt::format( "{}, geom {}", body.name.empty() ? "a body without a name" : "body " + body.name, body.geoms.size() + 1 ) : "geom " + geom.name;
+	    geom.name.empty() ? fmt::format( "{}, geom {}", body.name.empty() ? "a body without a name" : "body " + body.name,
+	                            body.geoms.size() + 1 )
+	                      : "geom " + geom.name;
 	checkLimit( &Limits::objects, ++m_geom_count, "geoms", m_document.path(), what );
 	const auto carrier = [&]( const char* attribute ) { return m_defaults.find( e, place.child_class, attribute ); };
 	if ( const XMLElement* type = carrier( "type" ) )

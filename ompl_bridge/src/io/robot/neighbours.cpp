@@ -196,7 +196,8 @@ void NeighbourFinder::findTouching()
 	for ( std::size_t state = 0; state <= state_count && !pairs.empty(); ++state )
 	{
 		const std::vector<lw_transform> poses = posesAt( state, random );
-		const auto apart = [&]( const LinkPair& pair ) { return poses.empty() || !touch( pair, poses ); }; // unknown: checked
+		const auto apart = [&]( const LinkPair& pair )
+		{ return poses.empty() || !touch( pair, poses ); }; // unknown: checked
 		pairs.erase( std::remove_if( pairs.begin(), pairs.end(), apart ), pairs.end() );
 	}
 	for ( const auto& [a, b] : pairs )
@@ -223,7 +224,8 @@ void allowNeighbours( RobotModel& model, bool joined )
 	for ( const DisabledPair& pair : finder.found )
 	{
 		names.push_back( fmt::format( "{} - {} ({})", pair.link1, pair.link2,
-		    pair.reason.compare( 0, 6, "Always" ) == 0 ? "always in contact" : pair.reason.substr( 10, pair.reason.size() - 11 ) ) );
+		    pair.reason.compare( 0, 6, "Always" ) == 0 ? "always in contact"
+		                                               : pair.reason.substr( 10, pair.reason.size() - 11 ) ) );
 	}
 	model.report.notices.push_back( { model.urdf_file, "no SRDF",
 	    fmt::format( "contact of {} pairs of links is allowed, and checked with --strict: {}", finder.found.size(),

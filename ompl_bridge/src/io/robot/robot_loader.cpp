@@ -43,7 +43,8 @@ void noticePackagePaths( const LoadOptions& options, std::vector<Notice>& notice
 	{
 		const std::size_t equals = entry.find( '=' );
 		std::error_code error;
-		const bool mapped = equals != std::string::npos && std::filesystem::is_directory( entry.substr( equals + 1 ), error );
+		const bool mapped =
+		    equals != std::string::npos && std::filesystem::is_directory( entry.substr( equals + 1 ), error );
 		if ( !mapped && !std::filesystem::is_directory( entry, error ) )
 		{
 			notices.push_back( { "", "package path " + entry, "is no folder" } );

@@ -186,7 +186,8 @@ bool hasNoSize( const XMLElement& collision )
 	{
 		const char* text = shape->Attribute( attribute );
 		const std::vector<std::string> words = splitBlanks( text != nullptr ? text : "" );
-		return words.size() == count && std::all_of( words.begin(), words.end(), []( const std::string& word ) { return parseNumber( word ) == 0.0; } );
+		return words.size() == count && std::all_of( words.begin(), words.end(),
+		                                    []( const std::string& word ) { return parseNumber( word ) == 0.0; } );
 	};
 	return ( type == "box" && zero( "size", 3 ) ) || ( type == "sphere" && zero( "radius", 1 ) ) ||
 	       ( ( type == "cylinder" || type == "capsule" ) && zero( "radius", 1 ) && zero( "length", 1 ) );
@@ -213,7 +214,8 @@ void leaveOutShapesWithoutSize( XmlFile& xml, std::vector<Notice>& notices )
 	if ( !names.empty() )
 	{
 		notices.push_back( { xml.path(), "<collision>",
-		    fmt::format( "shapes of size zero are left out, {} of links: {}", names.size(), joinNames( names, names.size() ) ) } );
+		    fmt::format(
+		        "shapes of size zero are left out, {} of links: {}", names.size(), joinNames( names, names.size() ) ) } );
 	}
 }
 

@@ -36,8 +36,8 @@ class SceneReader
 {
 public:
 	SceneReader( std::string content, const LoadOptions& options, SceneModel& scene )
-	    : m_root( YamlNode::parse( scene.file, std::move( content ), scene.report.notices ) ), m_options( options ), m_shapes( options, scene.report ),
-	      m_geometry( options, scene.report ), m_scene( scene )
+	    : m_root( YamlNode::parse( scene.file, std::move( content ), scene.report.notices ) ), m_options( options ),
+	      m_shapes( options, scene.report ), m_geometry( options, scene.report ), m_scene( scene )
 	{
 	}
 	void read();
@@ -504,8 +504,9 @@ void SceneReader::readArticulations()
 		std::string file = detail::findResource( "URDF", node["resource"].text(), m_scene.file, node.place(), m_options );
 		LoadOptions options = m_options;
 		options.solid = node["solid"].textList();
-		Articulation articulation = detail::readArticulation(
-		    std::make_unique<detail::XmlFile>( file, detail::readFile( file ) ), name, name + "/", node["joint_values"].numberMap(), place( node, name ), options );
+		Articulation articulation =
+		    detail::readArticulation( std::make_unique<detail::XmlFile>( file, detail::readFile( file ) ), name, name + "/",
+		        node["joint_values"].numberMap(), place( node, name ), options );
 		articulation.frame = node.frame();
 		if ( node["pose"].defined() )
 		{
@@ -682,8 +683,9 @@ void SceneReader::read()
 /// A URDF or MJCF as a scene: each link with geometry becomes an object.
 void readRobotScene( std::string content, const LoadOptions& options, SceneModel& scene )
 {
-	Articulation articulation = detail::readArticulation(
-	    std::make_unique<detail::XmlFile>( scene.file, std::move( content ) ), "", "", {}, { scene.file, "<robot>", "" }, options );
+	Articulation articulation =
+	    detail::readArticulation( std::make_unique<detail::XmlFile>( scene.file, std::move( content ) ), "", "", {},
+	        { scene.file, "<robot>", "" }, options );
 	scene.name = articulation.name;
 	scene.report = articulation.model.report;
 	scene.objects = detail::articulatedObjects( articulation );
