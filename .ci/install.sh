@@ -35,14 +35,14 @@ packages_of()
 	# xvfb-run is a script of xvfb that calls xauth, which is only recommended by it
 	examples) echo f3d xvfb xauth ;;
 	benchmarks) echo libfcl-dev libccd-dev libeigen3-dev gnuplot-nox ;;
-	# clang and its runtimes: fuzzers, and warnings of a second compiler
-	tests) echo python3 libgtest-dev libgmock-dev clang libclang-rt-14-dev valgrind cppcheck ;;
+	# clang and its runtimes: fuzzers, warnings of a second compiler, layout
+	tests) echo python3 libgtest-dev libgmock-dev clang clang-format-14 libclang-rt-14-dev valgrind cppcheck ;;
 	# the cross compiler, and an emulator of the other machine
 	arm64) echo gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user cmake ninja-build ;;
 	# .deb files and their check, manual pages, completions in the shells that read them, the reference of the interfaces
 	packages) echo dpkg-dev file lintian help2man zsh fish bash-completion doxygen ;;
 	release) echo debootstrap ;;
-	lint) echo git clang-tidy-14 clang-format-14 ;;
+	lint) echo clang-tidy-14 ;;
 	# llvm-cov lists the lines that a test executes
 	mutation) echo python3 python3-venv clang libclang-rt-14-dev llvm ninja-build ;;
 	python) echo python3-dev python3-venv ;;

@@ -1,12 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Second opinions: the layout of changed lines; clang-tidy and cppcheck over the core, the bridge and the program; and all of
+# Second opinions: the layout of all lines; clang-tidy and cppcheck over the core, the bridge and the program; and all of
 # it built by clang, whose warnings are errors, and tested.
 #
-#   tests/lint.sh [BUILD (default build)] [format] [tidy] [cppcheck] [clang]
+#   tests/lint.sh [BUILD (default build)] [format] [layout] [tidy] [cppcheck] [clang]
 #
-# format shows the lines changed since the commit BASE (default: since main, or of the last commit on main itself) that
-# git clang-format would lay out otherwise; `git clang-format-14 BASE` does so. It needs no build.
+# format shows the lines that clang-format-14 would lay out otherwise, and `tests/lint.sh layout` lays them out. It needs no build; tests/run.sh runs it.
 #
 # BUILD is a configured folder, for its compile_commands.json. tests/run.sh runs cppcheck, which takes 20 seconds of one
 # processor over everything. The rest is no stage of it, because all of CI is to take less than half an hour: on two
@@ -20,13 +19,13 @@ if [ "$#" -gt 0 ] && [ -d "$1" ]; then
 	shift
 fi
 [ "$#" -gt 0 ] || set -- format tidy cppcheck clang
-if [ "$*" != format ] && [ ! -e "$build/compile_commands.json" ]; then
+if [ "$*" != format ] && [ "$*" != layout ] && [ ! -e "$build/compile_commands.json" ]; then
 	echo "$0: $build/compile_commands.json is not there: configure a build first, or name its folder" >&2
 	exit 2
 fi
 sets=( tests )
 case " $* " in
-*' tidy '* | *' format '*) sets+=( lint ) ;;
+*' tidy '*) sets+=( lint ) ;;
 esac
 .ci/install.sh "${sets[@]}"
 jobs=$( nproc )
@@ -37,22 +36,19 @@ else
 fi
 bad=0
 
+sources()
+{
+	find core ompl_bridge planners examples benchmarks tests -name node_modules -prune -o -name '*.[ch]' -print0 -o -name '*.[ch]pp' -print0
+}
+
 for what in "$@"; do
 	case "$what" in
 	format)
-		base=${BASE:-$( git merge-base HEAD main 2>/dev/null || git merge-base HEAD origin/main 2>/dev/null || git rev-parse HEAD~1 )}
-		[ -n "${BASE:-}" ] || [ "$( git rev-parse "$base" )" != "$( git rev-parse HEAD )" ] || base=HEAD~1
-		echo "clang-format: lines changed since $( git rev-parse --short "$base" )"
-		if ! layout=$( git-clang-format-14 --binary clang-format-14 --diff --extensions c,h,cpp,hpp "$base" ); then
-			bad=1
-		fi
-		case "$layout" in
-		'' | 'no modified files to format' | 'clang-format did not modify any files') ;;
-		*)
-			printf '%s\n' "$layout"
-			bad=1
-			;;
-		esac
+		echo "clang-format: all files"
+		sources | xargs -0 -n 20 -P "$jobs" clang-format-14 --dry-run --Werror || bad=1
+		;;
+	layout)
+		sources | xargs -0 -n 20 -P "$jobs" clang-format-14 -i
 		;;
 	tidy) # checks, and why others are left out: .clang-tidy
 		echo "clang-tidy: ${#files[@]} files"

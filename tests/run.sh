@@ -127,6 +127,7 @@ notes=()
 runner=( env )
 
 stage "install missing packages" .ci/install.sh
+stage "layout of all lines" tests/lint.sh format
 stage "tools of the Python package" .ci/install.sh python
 stage "tools of the page" .ci/install.sh view
 LEEWAY_VIEW_DIR=$( realpath "${LEEWAY_VIEW_DIR:-build/view-tools}" )

@@ -328,7 +328,7 @@ void addFactors( const io::Problem& problem, const std::vector<std::vector<doubl
 		    say( "with half of it %.1f: ", field.searches( 1 ) / static_cast<double>( states.size() ) / ( passes + 1 ) );
 		out.claims.push_back( { "figure 9b",
 		    asked.flags == LW_CHECK_SELF ? "max_d makes self-collision faster below the real distance, and also above it"
-		                               : "the same holds between robot and kitchen",
+		                                 : "the same holds between robot and kitchen",
 		    figures,
 		    smaller && higher ? Verdict::HOLDS
 		    : smaller         ? Verdict::PARTLY

@@ -2,7 +2,6 @@
 // The experiment `trade` as a whole: see trade.hpp.
 #include "experiments/trade.hpp"
 
-
 namespace
 {
 

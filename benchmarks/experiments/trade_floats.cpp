@@ -70,8 +70,8 @@ void fillTriangle( std::uint64_t* state, double extent, lw_vec3 out[3] )
 	lw_vec3 across = nextPoint( state, 0.25 * size * width );
 	out[0] = base;
 	out[1] = lw_vec3{ base.x + along.x, base.y + along.y, base.z + along.z };
-	out[2] = lw_vec3{ base.x + 0.5 * along.x + across.x, base.y + 0.5 * along.y + across.y,
-		base.z + 0.5 * along.z + across.z };
+	out[2] =
+	    lw_vec3{ base.x + 0.5 * along.x + across.x, base.y + 0.5 * along.y + across.y, base.z + 0.5 * along.z + across.z };
 }
 
 void fillPair( std::uint64_t* state, double extent_a, double extent_b, double apart, LeafPair* out )
@@ -148,7 +148,7 @@ void floatGaps( const lwi_kernels* kernels, int kernel, LeafPair* pair, float ga
 /// triangles.
 /// @param kernel 0 triangles against triangles, 1 a point against triangles
 FloatErrors floatErrors(
-	lw_simd level, int kernel, double extent_a, double extent_b, double apart, std::uint64_t seed, std::uint32_t leaves )
+    lw_simd level, int kernel, double extent_a, double extent_b, double apart, std::uint64_t seed, std::uint32_t leaves )
 {
 	const lwi_kernels* kernels = lwi_kernels_get( level );
 	FloatErrors out = { 0, -INFINITY, LWI_GAP_SLACK, 0 };

@@ -31,14 +31,13 @@ EdgeJudges::EdgeJudges( const EdgeWorld& world, std::shared_ptr<FclModels> model
 bool EdgeJudges::byCertificate( const Motion& motion, bool tables, const lw_edge_def& def, lw_edge_result& result )
 {
 	leeway::require( lw_checker_edge( tables ? m_world.with_tables.get() : m_world.checker.get(),
-						 tables ? m_table_query.get() : m_query.get(), motion.from.data(), motion.to.data(), &def, &result ),
-		"an edge" );
+	                     tables ? m_table_query.get() : m_query.get(), motion.from.data(), motion.to.data(), &def, &result ),
+	    "an edge" );
 	return result.verdict == LW_VERDICT_FREE;
 }
 
 /// As DiscreteMotionValidator::checkMotion( s1, s2 ): s1 is taken for valid.
-template <typename IsValid>
-bool EdgeJudges::discrete( const Motion& motion, double fraction, const IsValid& is_valid )
+template <typename IsValid> bool EdgeJudges::discrete( const Motion& motion, double fraction, const IsValid& is_valid )
 {
 	if ( !is_valid( motion.to.data() ) )
 	{
@@ -59,7 +58,7 @@ bool EdgeJudges::discrete( const Motion& motion, double fraction, const IsValid&
 		parts.pop();
 		const int middle = ( first + last ) / 2;
 		lw_robot_interpolate(
-			m_world.robot.get(), m_from.data(), m_to.data(), static_cast<double>( middle ) / count, m_at.data() );
+		    m_world.robot.get(), m_from.data(), m_to.data(), static_cast<double>( middle ) / count, m_at.data() );
 		for ( std::size_t i = 0; i < state.size(); ++i )
 		{
 			state[i] = m_at[m_world.variables[i]];
@@ -85,27 +84,27 @@ bool EdgeJudges::byStates( const Motion& motion, bool tables, double fraction )
 	const lw_checker* checker = tables ? m_world.with_tables.get() : m_world.checker.get();
 	lw_query* query = tables ? m_table_state_query.get() : m_state_query.get();
 	return discrete( motion, fraction,
-		[checker, query]( const double* q )
-		{
-			bool free = false;
-			leeway::require( lw_checker_is_free( checker, query, q, LW_CHECK_BOTH, 0, &free, nullptr ), "a state" );
-			return free;
-		} );
+	    [checker, query]( const double* q )
+	    {
+		    bool free = false;
+		    leeway::require( lw_checker_is_free( checker, query, q, LW_CHECK_BOTH, 0, &free, nullptr ), "a state" );
+		    return free;
+	    } );
 }
 
 bool EdgeJudges::byPeer( PairPeer& peer, const Motion& motion, double fraction, std::vector<double>* collides )
 {
 	return discrete( motion, fraction,
-		[&]( const double* q )
-		{
-			peer.pose( q );
-			const bool is_free = !peer.environmentCollides() && !peer.selfCollides();
-			if ( !is_free && collides != nullptr )
-			{
-				collides->assign( q, q + m_world.size() );
-			}
-			return is_free;
-		} );
+	    [&]( const double* q )
+	    {
+		    peer.pose( q );
+		    const bool is_free = !peer.environmentCollides() && !peer.selfCollides();
+		    if ( !is_free && collides != nullptr )
+		    {
+			    collides->assign( q, q + m_world.size() );
+		    }
+		    return is_free;
+	    } );
 }
 
 bool EdgeJudges::byFcl( const Motion& motion, double fraction )
@@ -131,5 +130,5 @@ bool EdgeJudges::bruteCollides( const std::vector<double>& q )
 	BruteDistance brute;
 	const double bound = 1e-6;
 	return bruteForce( brute, m_fcl->placedPairs( false ), bound ).upper <= 0 ||
-		   bruteForce( brute, m_fcl->placedPairs( true ), bound ).upper <= 0;
+	       bruteForce( brute, m_fcl->placedPairs( true ), bound ).upper <= 0;
 }

@@ -36,8 +36,7 @@ public:
 	lw_query* spare() { return m_spare.get(); }
 
 private:
-	template <typename IsValid>
-	bool discrete( const Motion& motion, double fraction, const IsValid& is_valid );
+	template <typename IsValid> bool discrete( const Motion& motion, double fraction, const IsValid& is_valid );
 
 	const EdgeWorld& m_world;
 	leeway::Query m_query, m_table_query, m_state_query, m_table_state_query, m_spare;

@@ -74,7 +74,8 @@ public:
 				for ( std::size_t i = 0; i < m_settings.states; ++i )
 				{
 					Place* place = placeOf( i );
-					m_edges.push_back( { place, place->world->randomMotion( near, length, random, place->judges->spare() ) } );
+					m_edges.push_back(
+					    { place, place->world->randomMotion( near, length, random, place->judges->spare() ) } );
 				}
 				askEdges( near ? "near" : "anywhere", length );
 			}
@@ -203,7 +204,8 @@ private:
 
 	static Answer askLeeway( const State& state, const Question& question, bool self )
 	{
-		const lw_range range = question.verdict ? lw_range_threshold( question.margin ) : lw_range{ 0, INFINITE, question.alpha };
+		const lw_range range =
+		    question.verdict ? lw_range_threshold( question.margin ) : lw_range{ 0, INFINITE, question.alpha };
 		lw_state_result result;
 		leeway::require( lw_checker_state( state.place->world->with_tables.get(), state.place->query.get(), state.q.data(),
 		                     self ? LW_CHECK_SELF : LW_CHECK_ENVIRONMENT, &range, question.verdict, &result ),

@@ -20,7 +20,7 @@ struct PeersSettings
 	std::size_t states = 200;
 	int repetitions = 3;
 	std::uint64_t seed = 20260101;
-	double budget = 2; ///< seconds for pair proofs
+	double budget = 2;                  ///< seconds for pair proofs
 	bool no_tables = false;             ///< of pairs and motion hulls, for edges
 	std::vector<double> lengths{ 0.5 }; ///< of edges, radians
 	bool quick = false;

@@ -314,7 +314,8 @@ bool freeState( const EdgeWorld& world, lw_query* query, Random& random, std::ve
 		}
 		bool free = false;
 		leeway::require(
-		    lw_checker_is_free( world.checker.get(), query, out.data(), LW_CHECK_ENVIRONMENT, ROOM, &free, nullptr ), "a state" );
+		    lw_checker_is_free( world.checker.get(), query, out.data(), LW_CHECK_ENVIRONMENT, ROOM, &free, nullptr ),
+		    "a state" );
 		if ( free )
 		{
 			return true;

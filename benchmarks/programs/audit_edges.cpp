@@ -101,8 +101,8 @@ struct Seat
 	EdgeAuditor auditor;
 
 	Seat( const EdgeWorld& world, const std::shared_ptr<FclModels>& models, double resolution )
-		: judges( world, models ),
-		  auditor( world.robot.get(), world.scene.get(), world.variables, world.reference.data(), world.allowed, resolution )
+	    : judges( world, models ),
+	      auditor( world.robot.get(), world.scene.get(), world.variables, world.reference.data(), world.allowed, resolution )
 	{
 	}
 };
@@ -111,8 +111,8 @@ class Audit
 {
 public:
 	explicit Audit( const Settings& settings )
-		: m_settings( settings ), m_worlds( settings.data, reachDef( settings.budget ) ),
-		  m_models( std::make_shared<FclModels>() )
+	    : m_settings( settings ), m_worlds( settings.data, reachDef( settings.budget ) ),
+	      m_models( std::make_shared<FclModels>() )
 	{
 		if ( !settings.record.empty() )
 		{
@@ -151,7 +151,7 @@ public:
 			const double seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 			const double done = static_cast<double>( m_done ), all = static_cast<double>( m_tasks.size() );
 			std::fprintf( stderr, "\r%.0f of %.0f edges, %.0f s left   ", done, all,
-				done > 0 ? seconds * ( all - done ) / done : 0.0 );
+			    done > 0 ? seconds * ( all - done ) / done : 0.0 );
 		}
 		std::fprintf( stderr, "\r%60s\r", "" );
 		for ( std::thread& thread : threads )
@@ -181,8 +181,7 @@ private:
 	}
 
 	/// Calls `add`. @return the worlds that it added
-	template <typename Add>
-	std::vector<std::size_t> added( const Add& add )
+	template <typename Add> std::vector<std::size_t> added( const Add& add )
 	{
 		const std::size_t before = m_worlds.size();
 		add();
@@ -213,7 +212,7 @@ private:
 		}
 		const std::vector<int> numbers = { 1, 13 };
 		for ( const auto& [robot, group] :
-			{ std::pair( "fetch", "arm_with_torso" ), std::pair( "fetch", "arm" ), std::pair( "panda", "panda_arm" ) } )
+		    { std::pair( "fetch", "arm_with_torso" ), std::pair( "fetch", "arm" ), std::pair( "panda", "panda_arm" ) } )
 		{
 			if ( wanted( std::string( robot ) + " " + group ) )
 			{
@@ -260,9 +259,9 @@ private:
 			}
 			const EdgeWorldEntry& entry = m_worlds.entry( i );
 			std::size_t from =
-				m_worlds.world( i ).set == "armar3 planner" ? i : m_worlds.add( plannerSource( entry.source ) );
+			    m_worlds.world( i ).set == "armar3 planner" ? i : m_worlds.add( plannerSource( entry.source ) );
 			for ( Motion& motion :
-				motionsOfPlanner( entry, m_settings.plan_seconds, edges / problems.size() + 1, m_settings.seed + i ) )
+			    motionsOfPlanner( entry, m_settings.plan_seconds, edges / problems.size() + 1, m_settings.seed + i ) )
 			{
 				m_tasks.push_back( { from, m_tasks.size(), true, std::move( motion ) } );
 			}
@@ -291,7 +290,7 @@ private:
 			throw std::runtime_error( "--robot " + m_settings.robot + ": give URDF,SRDF,GROUP" );
 		}
 		Json source = {
-			{ "set", names[2] }, { "name", names[2] }, { "robot", names[0] }, { "srdf", names[1] }, { "group", names[2] } };
+		    { "set", names[2] }, { "name", names[2] }, { "robot", names[0] }, { "srdf", names[1] }, { "group", names[2] } };
 		if ( !m_settings.scene.empty() )
 		{
 			source["scene"] = m_settings.scene;
@@ -326,7 +325,7 @@ private:
 			catch ( const std::exception& error )
 			{
 				throw std::runtime_error(
-					m_settings.edges_file + ": line " + std::to_string( number ) + ": " + error.what() );
+				    m_settings.edges_file + ": line " + std::to_string( number ) + ": " + error.what() );
 			}
 		}
 	}
@@ -344,12 +343,12 @@ private:
 			throw std::runtime_error( "no line before names this edge's world; give it one, or the option --robot" );
 		}
 		Task task = { world->second, m_tasks.size(), true,
-			{ line.at( "from" ).get<std::vector<double>>(), line.at( "to" ).get<std::vector<double>>() } };
+		    { line.at( "from" ).get<std::vector<double>>(), line.at( "to" ).get<std::vector<double>>() } };
 		const std::size_t size = m_worlds.world( task.world ).size();
 		if ( task.motion.from.size() != size || task.motion.to.size() != size )
 		{
 			throw std::runtime_error(
-				"\"from\" and \"to\" need " + std::to_string( size ) + " numbers, as the group has variables" );
+			    "\"from\" and \"to\" need " + std::to_string( size ) + " numbers, as the group has variables" );
 		}
 		m_tasks.push_back( std::move( task ) );
 	}
@@ -471,7 +470,7 @@ private:
 	}
 
 	void askOthers( Seat& seat, const Motion& motion, EdgeTruth& truth, const std::array<lw_edge_result, 2>& results,
-		bool blocked, Tally& tally )
+	    bool blocked, Tally& tally )
 	{
 		for ( std::size_t i = 0; blocked && i < FRACTIONS.size(); ++i )
 		{
@@ -495,7 +494,7 @@ private:
 			{
 				const std::vector<double> state = world.at( motion, result.t );
 				settle( seat, state, true,
-					seat.judges.fclCollides( state ) || seat.judges.fclDistance( state, 1 ) <= FCL_TOLERANCE, tally );
+				    seat.judges.fclCollides( state ) || seat.judges.fclDistance( state, 1 ) <= FCL_TOLERANCE, tally );
 			}
 		}
 	}
@@ -512,7 +511,7 @@ private:
 	}
 
 	void complain( const std::string& why, const Task& task, const Motion& motion, std::size_t judge, const lw_edge_def& def,
-		Tally& tally )
+	    Tally& tally )
 	{
 		if ( why.empty() )
 		{
@@ -522,18 +521,18 @@ private:
 		const std::lock_guard<std::mutex> lock( m_mutex );
 		const Json source = m_worlds.entry( task.world ).source;
 		m_wrong.push_back( { { "why", why }, { "tables", judge == 1 }, { "min_d", def.min_d }, { "slack", def.slack },
-			{ "want_proved_until", def.want_proved_until }, { "world", source }, { "from", motion.from },
-			{ "to", motion.to } } );
+		    { "want_proved_until", def.want_proved_until }, { "world", source }, { "from", motion.from },
+		    { "to", motion.to } } );
 		std::printf( "WRONG: %s\n", m_wrong.back().dump().c_str() );
 		std::fflush( stdout );
 	}
 
 	void record( const Task& task, const EdgeWorld& world, const Motion& motion,
-		const std::array<lw_edge_result, 2>& results, bool blocked )
+	    const std::array<lw_edge_result, 2>& results, bool blocked )
 	{
 		const Json line = { { "world", world.name }, { "edge", task.number }, { "from", motion.from }, { "to", motion.to },
-			{ "certified", lw_verdict_name( results[0].verdict ) }, { "certified_t", results[0].t },
-			{ "tables", lw_verdict_name( results[1].verdict ) }, { "tables_t", results[1].t }, { "collides", blocked } };
+		    { "certified", lw_verdict_name( results[0].verdict ) }, { "certified_t", results[0].t },
+		    { "tables", lw_verdict_name( results[1].verdict ) }, { "tables_t", results[1].t }, { "collides", blocked } };
 		const std::lock_guard<std::mutex> lock( m_mutex );
 		m_record << line.dump() << '\n';
 	}
@@ -544,14 +543,14 @@ private:
 	{
 		const double n = static_cast<double>( std::max<std::size_t>( t.edges, 1 ) );
 		std::printf( "%-36s %7zu %7zu | %7zu %6zu %5zu | %7zu %6zu %5zu | %5zu %5zu %5zu | %5zu %5zu %5zu | %7.0f %6.2f\n",
-			set.c_str(), t.edges, t.colliding, t.free[0], t.undecided[0], t.wrong[0], t.free[1], t.undecided[1], t.wrong[1],
-			t.missed_own[0], t.missed_own[1], t.missed_own[2], t.missed_fcl[0], t.missed_fcl[1], t.missed_fcl[2],
-			static_cast<double>( t.distances ) / n, t.audit_ms / n );
+		    set.c_str(), t.edges, t.colliding, t.free[0], t.undecided[0], t.wrong[0], t.free[1], t.undecided[1], t.wrong[1],
+		    t.missed_own[0], t.missed_own[1], t.missed_own[2], t.missed_fcl[0], t.missed_fcl[1], t.missed_fcl[2],
+		    static_cast<double>( t.distances ) / n, t.audit_ms / n );
 		Json row = { { "set", set }, { "edges", t.edges }, { "colliding", t.colliding } };
 		for ( std::size_t i = 0; i < 2; ++i )
 		{
 			row[i == 0 ? "certified" : "certified_tables"] = {
-				{ "free", t.free[i] }, { "undecided", t.undecided[i] }, { "wrong", t.wrong[i] } };
+			    { "free", t.free[i] }, { "undecided", t.undecided[i] }, { "wrong", t.wrong[i] } };
 		}
 		row["missed_by_own_states"] = t.missed_own;
 		row["missed_by_fcl"] = t.missed_fcl;

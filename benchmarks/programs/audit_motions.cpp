@@ -230,8 +230,8 @@ private:
 		}
 		++tally.states;
 		bool free = false;
-		leeway::require(
-		    lw_checker_is_free( m_world.checker.get(), m_attacker.get(), q.data(), LW_CHECK_BOTH, m_def.min_d, &free, nullptr ),
+		leeway::require( lw_checker_is_free(
+		                     m_world.checker.get(), m_attacker.get(), q.data(), LW_CHECK_BOTH, m_def.min_d, &free, nullptr ),
 		    "a state" );
 		const bool exact = !free || k % 32 == 0;
 		const double least = exact ? clearance( q ) : INFINITY;

@@ -215,7 +215,8 @@ public:
 	{
 		bool free = false;
 		leeway::require(
-		    lw_checker_is_free( m_problem.checker.get(), m_query.get(), q, LW_CHECK_ENVIRONMENT, min_d, &free, nullptr ), "a state" );
+		    lw_checker_is_free( m_problem.checker.get(), m_query.get(), q, LW_CHECK_ENVIRONMENT, min_d, &free, nullptr ),
+		    "a state" );
 		return { free ? 0.0 : 1.0, free ? 0.0 : 1.0 };
 	}
 

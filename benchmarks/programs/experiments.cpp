@@ -100,7 +100,8 @@ int runAll( ExperimentRun& run )
 			progress.begin( i, experiments[i]->name() );
 			const auto start = std::chrono::steady_clock::now();
 			report.outcomes.push_back( experiments[i]->run( run.settings, progress ) );
-			report.outcomes.back().seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
+			report.outcomes.back().seconds =
+			    std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 			kept = kept && promisesKept( report.outcomes.back() );
 		}
 	}
@@ -128,7 +129,8 @@ void addExperiments( Bench& bench )
 		run->experiments.emplace_back( std::move( experiment ) );
 		Experiment& first = *run->experiments.front();
 		all->experiments.push_back( run->experiments.front() );
-		Command& command = bench.command( first.name(), first.title() + "\nExit status: 0, 1 if a promise is broken, 2 error, 77 no data." );
+		Command& command = bench.command(
+		    first.name(), first.title() + "\nExit status: 0, 1 if a promise is broken, 2 error, 77 no data." );
 		addCommon( command, *run );
 		command.option( "--report", run->folder, "write a page and pictures (gnuplot) into this folder" );
 		first.addOptions( command );
@@ -139,7 +141,8 @@ void addExperiments( Bench& bench )
 	addCommon( report, *all );
 	report.option( "folder", all->folder, "is made" );
 	report.option( "--only", all->only, "these experiments, by name" );
-	report.work( std::function<int()>( [all]
+	report.work( std::function<int()>(
+	    [all]
 	    {
 		    if ( all->folder.empty() )
 		    {

@@ -61,8 +61,8 @@ bool isFree( const io::Problem& problem, const State& q )
 {
 	const leeway::Query query = leeway::makeQuery( problem.checker.get() );
 	bool free = false;
-	leeway::require(
-	    lw_checker_is_free( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, 0, &free, nullptr ), "lw_checker_is_free" );
+	leeway::require( lw_checker_is_free( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, 0, &free, nullptr ),
+	    "lw_checker_is_free" );
 	return free;
 }
 

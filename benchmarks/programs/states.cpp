@@ -76,7 +76,8 @@ Contender contenderOf( const Setting& setting, const Question& question )
 		    {
 			    bool free = false;
 			    leeway::require(
-			        lw_checker_is_free( checker, query->get(), q, question.flags, question.margin, &free, nullptr ), "a state" );
+			        lw_checker_is_free( checker, query->get(), q, question.flags, question.margin, &free, nullptr ),
+			        "a state" );
 			    return Answer{ free ? 1.0 : 0.0, free ? 1.0 : 0.0 };
 		    }
 		    lw_state_result result;

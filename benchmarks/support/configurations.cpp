@@ -31,8 +31,8 @@ std::map<std::string, std::size_t> entries( const leeway::io::Problem& problem )
 void randomiseTorsoAndRightArm( const leeway::io::Problem& problem, std::mt19937_64& random, std::vector<double>& state )
 {
 	static const char* const joints[] = { "Hip_Pitch_joint", "Hip_Roll_joint", "Hip_Yaw_joint", "Shoulder_1_R_joint",
-		"Shoulder_2_R_joint", "Upperarm_R_joint", "Elbow_R_joint", "Underarm_R_joint", "Wrist_1_R_joint",
-		"Wrist_2_R_joint" };
+	    "Shoulder_2_R_joint", "Upperarm_R_joint", "Elbow_R_joint", "Underarm_R_joint", "Wrist_1_R_joint",
+	    "Wrist_2_R_joint" };
 	const std::map<std::string, std::size_t> index = entries( problem );
 	for ( const char* joint : joints )
 	{
@@ -74,8 +74,8 @@ ConfigurationSet nearRows( const leeway::io::Problem& problem, const std::string
 	return set;
 }
 
-ConfigurationSet reachStarts( const leeway::io::Problem& problem, const std::string& data, std::mt19937_64& random,
-	std::size_t count )
+ConfigurationSet reachStarts(
+    const leeway::io::Problem& problem, const std::string& data, std::mt19937_64& random, std::size_t count )
 {
 	ConfigurationSet set{ "reach", "start bases of the 12 reach problems, torso and right arm uniform", {} };
 	const std::map<std::string, std::size_t> index = entries( problem );
@@ -109,7 +109,7 @@ ConfigurationSet reachStarts( const leeway::io::Problem& problem, const std::str
 
 // A base is near furniture if the robot with its arms hanging has `room` to 20 cm there.
 std::vector<std::vector<double>> basesNearFurniture(
-	const leeway::io::Problem& problem, std::mt19937_64& random, double room )
+    const leeway::io::Problem& problem, std::mt19937_64& random, double room )
 {
 	constexpr std::size_t BASES = 20;
 	const std::map<std::string, std::size_t> index = entries( problem );
@@ -173,7 +173,7 @@ leeway::io::Problem loadKitchen( const std::string& data, const lw_tree_def& tre
 	load.tree = tree;
 	load.detail = detail;
 	const leeway::io::RobotModel robot =
-		leeway::io::loadRobot( data + "/armar3/armar3.urdf", data + "/armar3/armar3.srdf", load );
+	    leeway::io::loadRobot( data + "/armar3/armar3.urdf", data + "/armar3/armar3.srdf", load );
 	const leeway::io::SceneModel scene = leeway::io::loadScene( data + "/kit_kitchen/scene_cluttered.yaml", load );
 	leeway::io::ProblemOptions options;
 	options.group = GROUP;
@@ -203,8 +203,8 @@ std::vector<std::string> kitchenFiles( const std::string& data )
 	return { files.begin(), files.end() };
 }
 
-std::vector<ConfigurationSet> makeConfigurations( const leeway::io::Problem& problem, const std::string& data,
-	std::uint64_t seed, std::size_t count )
+std::vector<ConfigurationSet> makeConfigurations(
+    const leeway::io::Problem& problem, const std::string& data, std::uint64_t seed, std::size_t count )
 {
 	std::mt19937_64 random( seed );
 	std::vector<ConfigurationSet> sets;
@@ -215,7 +215,7 @@ std::vector<ConfigurationSet> makeConfigurations( const leeway::io::Problem& pro
 }
 
 std::vector<std::map<std::string, double>> placesNearFurniture(
-	const leeway::io::Problem& problem, std::uint64_t seed, double room )
+    const leeway::io::Problem& problem, std::uint64_t seed, double room )
 {
 	std::mt19937_64 random( seed );
 	std::vector<std::map<std::string, double>> places;

@@ -34,9 +34,9 @@ std::vector<std::string> kitchenFiles( const std::string& data );
 
 /// @param count states per set, at most; the ground truth has 400 near rows
 /// @throws std::exception if the data is not there
-std::vector<ConfigurationSet> makeConfigurations( const leeway::io::Problem& problem, const std::string& data,
-	std::uint64_t seed, std::size_t count );
+std::vector<ConfigurationSet> makeConfigurations(
+    const leeway::io::Problem& problem, const std::string& data, std::uint64_t seed, std::size_t count );
 
 /// 20 random places where the robot, its arms hanging, has `room` metres to 20 cm: values by variable.
 std::vector<std::map<std::string, double>> placesNearFurniture(
-	const leeway::io::Problem& problem, std::uint64_t seed, double room );
+    const leeway::io::Problem& problem, std::uint64_t seed, double room );

@@ -35,7 +35,7 @@ std::vector<std::string> armarRequests( std::vector<int> numbers = {} )
 Json armarSource( const std::string& set, const std::string& name, const std::string& group )
 {
 	return { { "set", set }, { "name", set + "/" + name }, { "robot", "armar3/armar3.urdf" },
-		{ "srdf", "armar3/armar3.srdf" }, { "scene", "kit_kitchen/scene_cluttered.yaml" }, { "group", group } };
+	    { "srdf", "armar3/armar3.srdf" }, { "scene", "kit_kitchen/scene_cluttered.yaml" }, { "group", group } };
 }
 
 /// Adds "a+b", the joints of both, to the groups of the model. A part may also be a joint.
@@ -58,10 +58,10 @@ void joinGroups( io::RobotModel& model, const std::string& name )
 		}
 		joined.joints.push_back( part );
 		if ( std::none_of(
-				 model.joints.begin(), model.joints.end(), [&]( const io::JointModel& j ) { return j.name == part; } ) )
+		         model.joints.begin(), model.joints.end(), [&]( const io::JointModel& j ) { return j.name == part; } ) )
 		{
 			throw std::runtime_error(
-				"group " + name + ": '" + part + "' is neither a group nor a joint of " + model.urdf_file );
+			    "group " + name + ": '" + part + "' is neither a group nor a joint of " + model.urdf_file );
 		}
 	}
 	model.groups.push_back( joined );
@@ -122,7 +122,7 @@ std::string EdgeWorlds::path( const Json& name ) const
 io::RobotModel& EdgeWorlds::robot( const Json& source )
 {
 	const std::string urdf = path( source.at( "robot" ) ),
-					  srdf = source.contains( "srdf" ) ? path( source.at( "srdf" ) ) : "";
+	                  srdf = source.contains( "srdf" ) ? path( source.at( "srdf" ) ) : "";
 	const auto [place, is_new] = m_robots.try_emplace( urdf + "," + srdf );
 	if ( is_new )
 	{
@@ -197,9 +197,9 @@ void EdgeWorlds::addMbm(
 				continue;
 			}
 			add( { { "set", name }, { "name", name + "/" + set + "/" + std::to_string( number ) },
-				{ "robot", folder + "/" + robot_name + ".urdf" }, { "srdf", folder + "/" + robot_name + ".srdf" },
-				{ "scene", folder + "/problems/" + set + "/scene" + digits },
-				{ "request", folder + "/problems/" + set + "/request" + digits }, { "group", group } } );
+			    { "robot", folder + "/" + robot_name + ".urdf" }, { "srdf", folder + "/" + robot_name + ".srdf" },
+			    { "scene", folder + "/problems/" + set + "/scene" + digits },
+			    { "request", folder + "/problems/" + set + "/request" + digits }, { "group", group } } );
 		}
 	}
 }
@@ -296,7 +296,7 @@ void EdgeWorlds::makeFromFiles( EdgeWorldEntry& entry )
 	if ( options.scene != nullptr && !options.scene->attached.empty() )
 	{
 		throw std::runtime_error(
-			options.scene->file + ": robot_state: attached objects cannot be audited; make them links of the robot" );
+		    options.scene->file + ": robot_state: attached objects cannot be audited; make them links of the robot" );
 	}
 	const io::Problem problem = io::buildProblem( model, options );
 	leeway::Reach& reach = m_reaches[model.urdf_file + "," + model.srdf_file];

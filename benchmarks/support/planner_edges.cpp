@@ -22,8 +22,8 @@ class Recorder : public ob::MotionValidator
 {
 public:
 	Recorder( const ob::SpaceInformationPtr& si, ob::MotionValidatorPtr other, const leeway::ompl::StateAdapter& adapter,
-		std::vector<Motion>& motions )
-		: ob::MotionValidator( si ), m_other( std::move( other ) ), m_adapter( adapter ), m_motions( motions )
+	    std::vector<Motion>& motions )
+	    : ob::MotionValidator( si ), m_other( std::move( other ) ), m_adapter( adapter ), m_motions( motions )
 	{
 	}
 

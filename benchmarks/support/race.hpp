@@ -167,7 +167,7 @@ inline double clockMicroseconds()
 /// @param block states in a row for one contender before the next one's turn: with 1 each contender finds the caches full of
 /// others' trees; with more they hold its own for most of the block, as under a planner
 inline std::vector<Run> race(
-	const std::vector<Contender>& contenders, const ConfigurationSet& set, int repetitions, std::size_t block = 24 )
+    const std::vector<Contender>& contenders, const ConfigurationSet& set, int repetitions, std::size_t block = 24 )
 {
 	const std::size_t n = set.states.size();
 	std::vector<std::vector<std::vector<double>>> times( contenders.size(), std::vector<std::vector<double>>( n ) );

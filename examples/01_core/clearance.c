@@ -18,8 +18,8 @@ int main( void )
 	lw_query* query = NULL;
 	lw_query_def query_def = lw_query_def_default();
 	if ( lw_shape_create_mesh( &def, NULL, &diag, &mesh ) != LW_OK ||
-		 lw_shape_create_primitive( LW_SHAPE_BOX, edges, NULL, &diag, &box ) != LW_OK ||
-		 lw_query_create( &query_def, NULL, NULL, NULL, &query ) != LW_OK )
+	     lw_shape_create_primitive( LW_SHAPE_BOX, edges, NULL, &diag, &box ) != LW_OK ||
+	     lw_query_create( &query_def, NULL, NULL, NULL, &query ) != LW_OK )
 	{
 		fprintf( stderr, "could not build: %s\n", diag.message );
 		return 2;

@@ -34,7 +34,7 @@ try
 	}
 	// every edge of the path is proved, not sampled
 	std::cout << "path of " << setup.getSolutionPath().getStateCount() << " states, valid: " << std::boolalpha
-			  << setup.getSolutionPath().check() << "; " << engine->counters().edges << " edges checked\n";
+	          << setup.getSolutionPath().check() << "; " << engine->counters().edges << " edges checked\n";
 	return setup.getSolutionPath().check() ? 0 : 1;
 }
 catch ( const std::exception& error )

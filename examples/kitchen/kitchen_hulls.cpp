@@ -30,8 +30,7 @@ struct Options
 constexpr double crease = 0.35; ///< radians: a hull's facets are seen where it is coarse
 /// One for every part in turn, by opacity: inner parts are denser, so that they show through outer ones.
 const Surface tints[] = { { "blue", { 0.10, 0.42, 0.92, 0.16 }, 0.35, 0 },
-	{ "magenta", { 0.88, 0.14, 0.50, 0.26 }, 0.35, 0 },
-	{ "orange", { 1.0, 0.42, 0.0, 0.40 }, 0.35, 0 } };
+    { "magenta", { 0.88, 0.14, 0.50, 0.26 }, 0.35, 0 }, { "orange", { 1.0, 0.42, 0.0, 0.40 }, 0.35, 0 } };
 
 struct Triangles
 {
@@ -142,8 +141,8 @@ public:
 		m_stage.colours.define( { "paper", { 0.78, 0.79, 0.81, 1 }, 1, 0 } );
 		m_stage.gltf.addNode( "backdrop", -1, { 0, 0, 0 }, { 0, 0, 0, 1 },
 		    m_stage.gltf.addMesh( addGeometry( backdrop() ), m_stage.colours.material( "paper" ) ) );
-		fmt::print( "{:<28} {:>6} {:>11} {:>10} {:>9} {:>10}\n", "M of", "points", "dilation mm", "excess mm",
-		    "volume l", "sphere l" );
+		fmt::print( "{:<28} {:>6} {:>11} {:>10} {:>9} {:>10}\n", "M of", "points", "dilation mm", "excess mm", "volume l",
+		    "sphere l" );
 		for ( size_t i = 0; i < m_options.hulls.size(); ++i )
 			drawHull( i );
 		for ( size_t i = 0; i < m_options.spheres.size(); ++i )
@@ -226,10 +225,10 @@ const char* usage =
 /// False if the words are not understood.
 bool parse( int argc, char** argv, Options& options )
 {
-	const std::map<std::string, std::string Options::*> texts = { { "--robot", &Options::robot },
-		{ "--colours", &Options::colours }, { "--still", &Options::still } };
-	const std::map<std::string, std::vector<std::string> Options::*> lists = { { "--hull", &Options::hulls },
-		{ "--sphere", &Options::spheres } };
+	const std::map<std::string, std::string Options::*> texts = {
+	    { "--robot", &Options::robot }, { "--colours", &Options::colours }, { "--still", &Options::still } };
+	const std::map<std::string, std::vector<std::string> Options::*> lists = {
+	    { "--hull", &Options::hulls }, { "--sphere", &Options::spheres } };
 	for ( int i = 1; i + 1 < argc; i += 2 )
 	{
 		const std::string key = argv[i], value = argv[i + 1];

@@ -20,7 +20,7 @@ struct Options
 	int ghosts = 6;
 };
 
-constexpr double speed = 0.6;  ///< radians (or metres) per second of the fastest joint in the animation
+constexpr double speed = 0.6; ///< radians (or metres) per second of the fastest joint in the animation
 constexpr double ghost_opacity = 0.30;
 constexpr double ghost_distance = 0.06; ///< metres: a link nearer to its goal than this has no ghost
 constexpr double trail_radius = 0.006;  ///< metres

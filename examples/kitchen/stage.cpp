@@ -135,8 +135,8 @@ int Meshes::of( const lw_shape* shape, int material, bool translucent )
 		std::vector<uint32_t> triangles;
 		ShadedMesh mesh;
 		if ( info.type == LW_SHAPE_MESH )
-			mesh = shade( lw_shape_vertices( shape ), info.vertex_count, lw_shape_triangles( shape ),
-			    info.triangle_count, crease );
+			mesh = shade(
+			    lw_shape_vertices( shape ), info.vertex_count, lw_shape_triangles( shape ), info.triangle_count, crease );
 		else
 		{
 			tessellate( info, vertices, triangles );

@@ -173,10 +173,10 @@ bool PositionConstraint::isTight() const
 // ---- orientations
 
 OrientationConstraint::OrientationConstraint( const io::OrientationGoal& goal )
-	: m_goal( goal ),
-	  m_wanted( Eigen::Quaterniond( goal.quaternion[3], goal.quaternion[0], goal.quaternion[1], goal.quaternion[2] )
-	                .normalized()
-	                .toRotationMatrix() )
+    : m_goal( goal ),
+      m_wanted( Eigen::Quaterniond( goal.quaternion[3], goal.quaternion[0], goal.quaternion[1], goal.quaternion[2] )
+                    .normalized()
+                    .toRotationMatrix() )
 {
 	for ( int i = 0; i < 3; ++i )
 	{

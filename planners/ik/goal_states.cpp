@@ -212,7 +212,8 @@ bool Search::keep( State& q )
 	}
 	++m_result.reached;
 	bool free = false;
-	require( lw_checker_is_free( m_problem.checker.get(), m_query.get(), q.data(), m_options.flags, m_options.min_d, &free, nullptr ),
+	require( lw_checker_is_free(
+	             m_problem.checker.get(), m_query.get(), q.data(), m_options.flags, m_options.min_d, &free, nullptr ),
 	    "check of a goal state" );
 	if ( !free )
 	{

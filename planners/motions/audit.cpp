@@ -105,7 +105,8 @@ class Auditor
 {
 public:
 	Auditor( const io::Problem& problem, const AuditSettings& settings, const std::string& file )
-	    : m_problem( problem ), m_settings( settings ), m_file( file ), m_meter( problem ), m_query( makeQuery( problem.checker.get() ) )
+	    : m_problem( problem ), m_settings( settings ), m_file( file ), m_meter( problem ),
+	      m_query( makeQuery( problem.checker.get() ) )
 	{
 		m_audit.environment.clearance = {
 		    ( settings.flags & LW_CHECK_ENVIRONMENT ) != 0, infinity, infinity, "", "", {}, {}, false };
@@ -186,8 +187,9 @@ private:
 		if ( spent > m_settings.time )
 		{
 			m_ended = true;
-			problem( fmt::format( "the audit ended after {:.0f} s and {} states at {:.2g} % of the path, of which it would take about {:.0f} s: "
-			                      "give it more time (leeway audit --time), or a coarser --resolution",
+			problem( fmt::format(
+			    "the audit ended after {:.0f} s and {} states at {:.2g} % of the path, of which it would take about {:.0f} s: "
+			    "give it more time (leeway audit --time), or a coarser --resolution",
 			    spent, m_audit.states, 100 * place.s, spent / std::max( place.s, 1e-9 ) ) );
 		}
 	}
@@ -242,8 +244,8 @@ private:
 		AuditSample now_ = { place, infinity, infinity }, proved = now_;
 		if ( m_audit.environment.clearance.asked )
 		{
-			now_.environment =
-			    take( "environment", nameEnvironment( m_problem.checker.get(), state.environment ), place, m_audit.environment );
+			now_.environment = take(
+			    "environment", nameEnvironment( m_problem.checker.get(), state.environment ), place, m_audit.environment );
 			proved.environment = state.environment.lower;
 		}
 		if ( m_audit.self.clearance.asked )
@@ -354,7 +356,8 @@ void auditEnds(
 	};
 	// The robot stands at the start's numbers: from there a controller without wrap-around drives whole turns that nobody proved.
 	const std::vector<double> first = fullState( problem, points.front() );
-	std::map<std::uint32_t, std::array<double, 3>> rotations; // by joint: products of both quaternions, which may differ in sign and length
+	std::map<std::uint32_t, std::array<double, 3>>
+	    rotations; // by joint: products of both quaternions, which may differ in sign and length
 	for ( const auto& [name, wanted] : request.start.values )
 	{
 		const std::uint32_t variable = variableOf( problem.robot.get(), name );
@@ -371,14 +374,16 @@ void auditEnds(
 		}
 		else if ( !( std::fabs( given - wanted ) <= end_tolerance ) )
 		{
-			add( fmt::format( "the path begins with joint {} at {:.17g}, and the request's start has {:.17g}", name, given, wanted ) );
+			add( fmt::format(
+			    "the path begins with joint {} at {:.17g}, and the request's start has {:.17g}", name, given, wanted ) );
 		}
 	}
 	for ( const auto& [joint, products] : rotations )
 	{
 		if ( !( std::fabs( products[0] ) >= ( 1 - end_tolerance ) * std::sqrt( products[1] * products[2] ) ) )
 		{
-			add( fmt::format( "the path begins with another rotation of joint {} than the request's start", lw_robot_joint_name( problem.robot.get(), joint ) ) );
+			add( fmt::format( "the path begins with another rotation of joint {} than the request's start",
+			    lw_robot_joint_name( problem.robot.get(), joint ) ) );
 		}
 	}
 	if ( !request.hasPoseGoal() )

@@ -104,8 +104,8 @@ CsvTable readCsv( const std::string& name )
 	if ( const std::size_t zero = bytes.find( '\0' ); zero != std::string::npos )
 	{
 		const auto end = bytes.begin() + static_cast<std::ptrdiff_t>( zero );
-		throw io::Error( file, fmt::format( "line {}", 1 + std::count( bytes.begin(), end, '\n' ) ), "has a byte 0: this is no text",
-		    "give a table of comma-separated values" );
+		throw io::Error( file, fmt::format( "line {}", 1 + std::count( bytes.begin(), end, '\n' ) ),
+		    "has a byte 0: this is no text", "give a table of comma-separated values" );
 	}
 	std::istringstream stream( bytes );
 	CsvTable table;

@@ -62,7 +62,8 @@ std::vector<Drive::Place> Drive::placesOf( const TrajectoryFile& file, const std
 }
 
 /// The ways to a first point that comes later than the start; empty if it does not, or if the start is not known.
-std::vector<Segment> Drive::approachesOf( const io::Problem& problem, const TrajectoryFile& file, const TrajectorySettings& settings )
+std::vector<Segment> Drive::approachesOf(
+    const io::Problem& problem, const TrajectoryFile& file, const TrajectorySettings& settings )
 {
 	const TrajectoryPoint& first = file.points.front();
 	if ( !( first.time > 0 ) )
@@ -93,13 +94,16 @@ std::vector<Segment> Drive::approachesOf( const io::Problem& problem, const Traj
 	if ( unknown.size() == file.joint_names.size() )
 	{
 		m_notices.push_back( { file.file, element,
-		    fmt::format( "the first point comes after {:g} s; the motion from the robot's state to it is not known and not proved", first.time ) } );
+		    fmt::format(
+		        "the first point comes after {:g} s; the motion from the robot's state to it is not known and not proved",
+		        first.time ) } );
 		return {};
 	}
 	if ( !unknown.empty() )
 	{
 		throw io::Error( file.file, element,
-		    fmt::format( "the first point comes after {:g} s, and the start of {} is not known", first.time, listed( unknown ) ),
+		    fmt::format(
+		        "the first point comes after {:g} s, and the start of {} is not known", first.time, listed( unknown ) ),
 		    "name all joints of the trajectory in trajectory_start" );
 	}
 	return approachesTo( problem, file, start, settings.interpolation, m_begin );
@@ -123,14 +127,15 @@ std::vector<std::string> Drive::differences(
 		}
 		else if ( found != names.end() && file.points.front().time == 0 )
 		{
-			places.insert( places.begin(), { first.points[static_cast<std::size_t>( found - names.begin() )], "its first point" } );
+			places.insert(
+			    places.begin(), { first.points[static_cast<std::size_t>( found - names.begin() )], "its first point" } );
 		}
 		for ( std::size_t k = 1; k < places.size(); ++k )
 		{
 			if ( !( std::abs( places[k].value - places[0].value ) <= gap_tolerance ) )
 			{
-				out.push_back( fmt::format( "{}: joint {} is at {:.6g} in {} and at {:.6g} in {}", what, name, places[0].value,
-				    places[0].of, places[k].value, places[k].of ) );
+				out.push_back( fmt::format( "{}: joint {} is at {:.6g} in {} and at {:.6g} in {}", what, name,
+				    places[0].value, places[0].of, places[k].value, places[k].of ) );
 			}
 		}
 	}
@@ -143,8 +148,8 @@ const TrajectoryAudit& Drive::add(
 	m_begin = m_whole.duration;
 	m_notices.clear();
 	const std::vector<Segment> approaches = approachesOf( problem, file, settings );
-	m_segments = segmentsOf( problem, file, settings.interpolation,
-	    approaches.empty() ? m_begin : m_begin + approaches.back().seconds );
+	m_segments = segmentsOf(
+	    problem, file, settings.interpolation, approaches.empty() ? m_begin : m_begin + approaches.back().seconds );
 	const std::vector<std::string> problems = differences( problem, robot, file, m_segments.front() );
 	if ( !approaches.empty() )
 	{

@@ -57,10 +57,9 @@ const Definition& definitionOf( Message message )
 	            { "multi_dof_joint_state", Use::refused, "give its variables in joint_state (base/x, base/y, base/theta)" },
 	            { "attached_collision_objects", Use::refused, attached },
 	            { "is_diff", Use::noticed, "joints that are not named stand where the request starts, or at zero" } } },
-	    { "sensor_msgs/JointState",
-	        { { "header", Use::noticed, stamp }, { "name", Use::read, "" }, { "position", Use::read, "" },
-	            { "velocity", Use::read, "" },
-	            { "effort", Use::noticed, "forces do not change the motion that is proved" } } },
+	    { "sensor_msgs/JointState", { { "header", Use::noticed, stamp }, { "name", Use::read, "" },
+	                                    { "position", Use::read, "" }, { "velocity", Use::read, "" },
+	                                    { "effort", Use::noticed, "forces do not change the motion that is proved" } } },
 	    { "builtin_interfaces/Duration", { { "sec", Use::read, "" }, { "nanosec", Use::read, "" }, { "secs", Use::read, "" },
 	                                         { "nsecs", Use::read, "" } } },
 	};

@@ -65,14 +65,14 @@ Values startValues( const PathFile& path, const io::RobotModel& robot, std::vect
 		}
 		else
 		{
-			notices.push_back( { path.file, fmt::format( "start_state: joint '{}'", name ), "the robot cannot move it; it is ignored" } );
+			notices.push_back(
+			    { path.file, fmt::format( "start_state: joint '{}'", name ), "the robot cannot move it; it is ignored" } );
 		}
 	}
 	return values;
 }
 
-Values startValues(
-    const std::vector<TrajectoryFile>& files, const io::RobotModel& robot, std::vector<io::Notice>& notices )
+Values startValues( const std::vector<TrajectoryFile>& files, const io::RobotModel& robot, std::vector<io::Notice>& notices )
 {
 	Values values;
 	const std::vector<std::string> known = variableNames( robot );
@@ -87,8 +87,8 @@ Values startValues(
 				values.emplace( name, value );
 				continue;
 			}
-			notices.push_back(
-			    { file.file, fmt::format( "trajectory_start: joint '{}'", name ), "the robot cannot move it; it is ignored" } );
+			notices.push_back( { file.file, fmt::format( "trajectory_start: joint '{}'", name ),
+			    "the robot cannot move it; it is ignored" } );
 		}
 		for ( std::size_t i = 0; i < file.joint_names.size(); ++i )
 		{
@@ -101,7 +101,8 @@ Values startValues(
 	return values;
 }
 
-void noteUnknownLimits( const JointLimits& limits, const std::string& file, const io::RobotModel& robot, std::vector<io::Notice>& notices )
+void noteUnknownLimits(
+    const JointLimits& limits, const std::string& file, const io::RobotModel& robot, std::vector<io::Notice>& notices )
 {
 	const std::vector<std::string> known = variableNames( robot );
 	std::set<std::string> unknown;
@@ -117,7 +118,8 @@ void noteUnknownLimits( const JointLimits& limits, const std::string& file, cons
 	}
 	for ( const std::string& name : unknown )
 	{
-		notices.push_back( { file, "joint_limits." + name, "the robot has no such joint to move; its limits are not kept" } );
+		notices.push_back(
+		    { file, "joint_limits." + name, "the robot has no such joint to move; its limits are not kept" } );
 	}
 }
 
@@ -132,7 +134,8 @@ std::vector<std::string> startDifferences( const PathFile& path, const io::Probl
 		const bool stands = index != LW_INVALID_INDEX && std::find( moved.begin(), moved.end(), name ) == moved.end();
 		if ( stands && !( std::abs( value - problem.reference[index] ) <= same ) )
 		{
-			out.push_back( fmt::format( "joint {} is at {:g} in the path's start state and at {:g} here", name, value, problem.reference[index] ) );
+			out.push_back( fmt::format(
+			    "joint {} is at {:g} in the path's start state and at {:g} here", name, value, problem.reference[index] ) );
 		}
 	}
 	return out;
@@ -147,8 +150,7 @@ std::vector<std::vector<double>> groupPoints( const PathFile& path, const io::Pr
 		const auto found = std::find( path.joint_names.begin(), path.joint_names.end(), name );
 		if ( found == path.joint_names.end() )
 		{
-			throw io::Error( path.file, "joint_names",
-			    fmt::format( "lacks joint '{}' of group '{}'", name, problem.group ),
+			throw io::Error( path.file, "joint_names", fmt::format( "lacks joint '{}' of group '{}'", name, problem.group ),
 			    "audit with the group the path was planned for (--group)" );
 		}
 		column.push_back( static_cast<std::size_t>( found - path.joint_names.begin() ) );
@@ -157,8 +159,7 @@ std::vector<std::vector<double>> groupPoints( const PathFile& path, const io::Pr
 	{
 		if ( std::find( wanted.begin(), wanted.end(), name ) == wanted.end() )
 		{
-			throw io::Error( path.file, "joint_names",
-			    fmt::format( "joint '{}' is not in group '{}'", name, problem.group ),
+			throw io::Error( path.file, "joint_names", fmt::format( "joint '{}' is not in group '{}'", name, problem.group ),
 			    "audit with the group the path was planned for (--group)" );
 		}
 	}

@@ -16,8 +16,8 @@ namespace
 
 std::string lower( std::string text )
 {
-	std::transform( text.begin(), text.end(), text.begin(),
-	    []( unsigned char c ) { return static_cast<char>( std::tolower( c ) ); } );
+	std::transform(
+	    text.begin(), text.end(), text.begin(), []( unsigned char c ) { return static_cast<char>( std::tolower( c ) ); } );
 	return text;
 }
 
@@ -90,14 +90,14 @@ UnknownVariable explainUnknown( const std::string& name, const io::RobotModel& r
 		if ( !variables.empty() )
 		{
 			return { true, true,
-				fmt::format( "joint {} has {}", joint.name,
-				    variables.size() == 1 ? "one value, which is called as the joint" : "several values" ),
-				( variables.size() == 1 ? "name it " : "name them " ) + listed( variables ) };
+			    fmt::format( "joint {} has {}", joint.name,
+			        variables.size() == 1 ? "one value, which is called as the joint" : "several values" ),
+			    ( variables.size() == 1 ? "name it " : "name them " ) + listed( variables ) };
 		}
 		if ( name == joint.name )
 		{
 			return { true, false, joint.mimic.empty() ? "the joint is fixed" : "the joint follows joint " + joint.mimic,
-				joint.mimic.empty() ? "leave it out" : "give " + joint.mimic };
+			    joint.mimic.empty() ? "leave it out" : "give " + joint.mimic };
 		}
 	}
 	return { false, false, "the robot has no such joint", useOneOf( name, variableNames( robot ) ) };

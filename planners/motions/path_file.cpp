@@ -66,8 +66,8 @@ void readPoints( PathFile& path, const YAML::Node& root, std::size_t file_size )
 		throw io::Error( path.file, "points", "is missing or empty", "list at least one point with its positions" );
 	}
 	const std::size_t numbers = points.size() * path.joint_names.size();
-	io::detail::checkLimit( &io::Limits::alias_nodes, numbers > file_size ? numbers - file_size : 0, "numbers by its aliases",
-	    path.file, "points" );
+	io::detail::checkLimit( &io::Limits::alias_nodes, numbers > file_size ? numbers - file_size : 0,
+	    "numbers by its aliases", path.file, "points" );
 	bool timed = false;
 	for ( std::size_t i = 0; i < points.size(); ++i )
 	{
@@ -119,7 +119,8 @@ void refuseMisspelt( PathFile& path, const YAML::Node& root )
 		if ( !meant.empty() )
 		{
 			throw io::Error( path.file, fmt::format( "{} (line {})", key, entry.first.Mark().line + 1 ),
-			    fmt::format( "this key is not known: is {} meant?", meant ), fmt::format( "write {}, or remove it", meant ) );
+			    fmt::format( "this key is not known: is {} meant?", meant ),
+			    fmt::format( "write {}, or remove it", meant ) );
 		}
 		if ( std::find( known.begin(), known.end(), key ) == known.end() )
 		{

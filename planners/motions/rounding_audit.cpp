@@ -15,7 +15,8 @@ RoundingAudit auditRoundings( const io::Problem& problem, const std::vector<std:
 {
 	for ( const std::uint32_t variable : problem.variables )
 	{
-		if ( lw_robot_joint_type( problem.robot.get(), lw_robot_variable( problem.robot.get(), variable ).joint ) == LW_JOINT_FLOATING )
+		if ( lw_robot_joint_type( problem.robot.get(), lw_robot_variable( problem.robot.get(), variable ).joint ) ==
+		     LW_JOINT_FLOATING )
 		{
 			throw io::Error( file, "roundings", "the group has a floating joint, whose turns have no straight edges",
 			    "leave the roundings out (--corner-blend), or choose a group without it" );
@@ -28,7 +29,8 @@ RoundingAudit auditRoundings( const io::Problem& problem, const std::vector<std:
 	const auto start = std::chrono::steady_clock::now();
 	const lw_checker* checker = problem.checker.get();
 	const Query query = makeQuery( checker );
-	require( proveRoundings( checker, query.get(), unwrapped( problem, points ), radius, def, audit.proof ), "proof of roundings" );
+	require( proveRoundings( checker, query.get(), unwrapped( problem, points ), radius, def, audit.proof ),
+	    "proof of roundings" );
 	audit.seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 	const RoundingProof& proof = audit.proof;
 	lw_clearance pair = proof.pair;

@@ -186,7 +186,8 @@ private:
 	{
 		bool free = false;
 		lw_state_reason reason;
-		const lw_status status = lw_checker_is_free( m_checker, m_query, q.data(), m_def.flags, m_def.min_d, &free, &reason );
+		const lw_status status =
+		    lw_checker_is_free( m_checker, m_query, q.data(), m_def.flags, m_def.min_d, &free, &reason );
 		++m_out.queries;
 		if ( reason.verdict == LW_VERDICT_BLOCKED )
 		{

@@ -80,7 +80,8 @@ Step readStep( const std::string& file, const std::string& element, const YAML::
 	}
 	std::error_code error;
 	const std::filesystem::file_status found = std::filesystem::status( step.file, error );
-	if ( step.kind == Step::Kind::trajectory && std::filesystem::exists( found ) && !std::filesystem::is_regular_file( found ) )
+	if ( step.kind == Step::Kind::trajectory && std::filesystem::exists( found ) &&
+	     !std::filesystem::is_regular_file( found ) )
 	{
 		// Only options name streams of the program
 		throw io::Error( file, at, fmt::format( "{} is not a file", step.file ), "name a file" );

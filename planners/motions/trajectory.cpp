@@ -268,12 +268,14 @@ Violation violationOf( const io::Problem& problem, lw_query* query, const Segmen
 	out.q = valueOf( segment, problem.variable_names.size(), result.t );
 	out.names = problem.variable_names;
 	out.self = result.self;
-	out.pair = result.self ? nameSelf( problem.checker.get(), result.pair ) : nameEnvironment( problem.checker.get(), result.pair );
+	out.pair =
+	    result.self ? nameSelf( problem.checker.get(), result.pair ) : nameEnvironment( problem.checker.get(), result.pair );
 	if ( result.verdict == LW_VERDICT_BLOCKED )
 	{
-		const lw_state_result state = measure( problem.checker.get(), query, out.q, flags, nullptr, file, "the state of the violation" );
-		out.pair =
-		    result.self ? nameSelf( problem.checker.get(), state.self ) : nameEnvironment( problem.checker.get(), state.environment );
+		const lw_state_result state =
+		    measure( problem.checker.get(), query, out.q, flags, nullptr, file, "the state of the violation" );
+		out.pair = result.self ? nameSelf( problem.checker.get(), state.self )
+		                       : nameEnvironment( problem.checker.get(), state.environment );
 	}
 	return out;
 }
@@ -385,7 +387,8 @@ TrajectoryAudit auditTrajectory( const io::Problem& problem, const io::RobotMode
 	for ( const Segment& segment : driven )
 	{
 		lw_edge_result result;
-		require( lw_checker_curve( problem.checker.get(), query.get(), segment.points.data(), segment.degree, &def, &result ),
+		require(
+		    lw_checker_curve( problem.checker.get(), query.get(), segment.points.data(), segment.degree, &def, &result ),
 		    "proof of a segment" );
 		audit.states += result.queries;
 		lower_bound = std::min( lower_bound, result.lower_bound );

@@ -320,8 +320,8 @@ void checkLimitKeys( const std::string& file, const std::string& element, const 
 		}
 		if ( std::find( used.begin(), used.end(), key ) == used.end() && !io::saysNothing( entry.second ) )
 		{
-			notices.push_back(
-			    { file, place, "is not used: velocities and accelerations are compared with max_velocity and max_acceleration" } );
+			notices.push_back( { file, place,
+			    "is not used: velocities and accelerations are compared with max_velocity and max_acceleration" } );
 		}
 	}
 }
@@ -421,8 +421,8 @@ JointLimits readJointLimits( const std::string& file )
 		const std::string name = joint.first.Scalar();
 		if ( !joint.second.IsMap() )
 		{
-			throw io::Error( file, fmt::format( "joint_limits.{} (line {})", name, joint.first.Mark().line + 1 ), "is no map",
-			    "give has_velocity_limits, max_velocity, has_acceleration_limits and max_acceleration" );
+			throw io::Error( file, fmt::format( "joint_limits.{} (line {})", name, joint.first.Mark().line + 1 ),
+			    "is no map", "give has_velocity_limits, max_velocity, has_acceleration_limits and max_acceleration" );
 		}
 		checkLimitKeys( file, "joint_limits." + name, joint.second,
 		    { "has_velocity_limits", "max_velocity", "has_acceleration_limits", "max_acceleration" },
@@ -431,7 +431,8 @@ JointLimits readJointLimits( const std::string& file )
 		        "angle_wraparound", "has_soft_limits", "k_position", "k_velocity", "soft_lower_limit", "soft_upper_limit" },
 		    limits.notices );
 		readLimit( file, name, joint.second, "has_velocity_limits", "max_velocity", limits.velocity, limits.notices );
-		readLimit( file, name, joint.second, "has_acceleration_limits", "max_acceleration", limits.acceleration, limits.notices );
+		readLimit(
+		    file, name, joint.second, "has_acceleration_limits", "max_acceleration", limits.acceleration, limits.notices );
 	}
 	return limits;
 }

@@ -24,10 +24,12 @@ namespace
 bool isMark( const std::string& file, std::size_t line, const std::string& text )
 {
 	const std::string bare = trimmed( text.substr( 0, text.find( " #" ) ) );
-	const bool begins = text.compare( 0, 3, "---" ) == 0 && ( text.size() == 3 || std::isspace( static_cast<unsigned char>( text[3] ) ) != 0 );
+	const bool begins = text.compare( 0, 3, "---" ) == 0 &&
+	                    ( text.size() == 3 || std::isspace( static_cast<unsigned char>( text[3] ) ) != 0 );
 	if ( ( begins && bare != "---" ) || ( text.compare( 0, 3, "..." ) == 0 && bare == "..." ) )
 	{
-		throw io::Error( file, fmt::format( "line {}", line + 1 ), fmt::format( "'{}' ends a document in a way that is not read here", bare ),
+		throw io::Error( file, fmt::format( "line {}", line + 1 ),
+		    fmt::format( "'{}' ends a document in a way that is not read here", bare ),
 		    "write --- on a line of its own between two documents, and nothing else" );
 	}
 	return bare == "---";
@@ -54,8 +56,8 @@ std::vector<YAML::Node> loadYaml( const std::string& file, std::size_t* out_byte
 				documents.push_back( YAML::Load( document ) );
 				if ( io::holdsSeveralDocuments( document ) )
 				{
-					throw io::Error( file, fmt::format( "line {}", begin_line + 1 ), "a second document begins without a line ---",
-					    "write --- between them, or give one" );
+					throw io::Error( file, fmt::format( "line {}", begin_line + 1 ),
+					    "a second document begins without a line ---", "write --- between them, or give one" );
 				}
 				io::requireSoundDocument( file, documents.back(), document.size(), begin_line );
 			}
@@ -86,7 +88,8 @@ double finiteValue( const std::string& file, const YAML::Node& node, const std::
 	catch ( const YAML::Exception& )
 	{
 	}
-	const std::string tag = node.IsDefined() ? node.Tag() : "", text = node.IsDefined() && node.IsScalar() ? node.Scalar() : "";
+	const std::string tag = node.IsDefined() ? node.Tag() : "",
+	                  text = node.IsDefined() && node.IsScalar() ? node.Scalar() : "";
 	if ( tag == "tag:yaml.org,2002:str" || tag == "tag:yaml.org,2002:binary" || tag == "tag:yaml.org,2002:null" )
 	{
 		throw io::Error( file, element, fmt::format( "'{}' has a tag of a text", text ), "remove the tag" );
@@ -95,7 +98,8 @@ double finiteValue( const std::string& file, const YAML::Node& node, const std::
 	if ( digits != std::string::npos && digits + 1 < text.size() && text[digits] == '0' &&
 	     text.find_first_not_of( "0123456789", digits ) == std::string::npos )
 	{
-		throw io::Error( file, element, fmt::format( "'{}' begins with 0: some readers of YAML take it for an octal number", text ),
+		throw io::Error( file, element,
+		    fmt::format( "'{}' begins with 0: some readers of YAML take it for an octal number", text ),
 		    "write it without the 0" );
 	}
 	if ( !std::isfinite( value ) )

@@ -189,7 +189,8 @@ void ContactSamples::countContacts( PairTable& table, const SampleOptions& optio
 	{
 		if ( mayTouch( table.rows()[row] ) )
 		{
-			table.setContacts( row, counts[row], m_states, counts[row] > 0 ? random.state( first[row] ) : std::vector<double>() );
+			table.setContacts(
+			    row, counts[row], m_states, counts[row] > 0 ? random.state( first[row] ) : std::vector<double>() );
 		}
 	}
 }
@@ -324,7 +325,8 @@ std::vector<ContactSamples::Blocking> ContactSamples::blocking( const std::funct
 	{
 		result.push_back( entry.second );
 	}
-	std::stable_sort( result.begin(), result.end(), []( const Blocking& x, const Blocking& y ) { return x.states > y.states; } );
+	std::stable_sort(
+	    result.begin(), result.end(), []( const Blocking& x, const Blocking& y ) { return x.states > y.states; } );
 	return result;
 }
 

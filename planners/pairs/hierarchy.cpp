@@ -79,8 +79,8 @@ Json sphereJson( const lw_sphere& sphere )
 	{
 		return nullptr;
 	}
-	return {
-	    { "center", { motions::jsonNumber( sphere.center[0] ), motions::jsonNumber( sphere.center[1] ), motions::jsonNumber( sphere.center[2] ) } },
+	return { { "center", { motions::jsonNumber( sphere.center[0] ), motions::jsonNumber( sphere.center[1] ),
+	                         motions::jsonNumber( sphere.center[2] ) } },
 	    { "radius", motions::jsonNumber( sphere.radius ) } };
 }
 
@@ -175,14 +175,18 @@ std::string pairClassText( const io::LoadedReach& tables )
 	}
 	const lw_reach_info& info = tables.info;
 	text = fmt::format( "pair tables of all joints, from the cache: {}\n", text );
-	text += fmt::format( "  of {} pairs that may not touch {} are proved to stay apart ({:.0f} %), {} can touch, {} cannot be proved, {} are open; "
-	                     "grids of {} pairs; {} random states\n",
-	    info.pairs, info.proved, info.pairs > 0 ? 100.0 * info.proved / info.pairs : 100.0, info.contact, info.unprovable, info.open,
-	    info.grids, info.samples );
-	return text + ( info.complete ? fmt::format( "  proofs are complete, after {:.1f} s\n", info.seconds )
-	                              : fmt::format( "  proofs are not complete after {:.1f} s: the next runs continue them (--proofs S); or leeway pairs "
-	                                             "--budget S at once\n",
-	                                    info.seconds ) );
+	text += fmt::format(
+	    "  of {} pairs that may not touch {} are proved to stay apart ({:.0f} %), {} can touch, {} cannot be proved, {} are open; "
+	    "grids of {} pairs; {} random states\n",
+	    info.pairs, info.proved, info.pairs > 0 ? 100.0 * info.proved / info.pairs : 100.0, info.contact, info.unprovable,
+	    info.open, info.grids, info.samples );
+	return text +
+	       ( info.complete
+	               ? fmt::format( "  proofs are complete, after {:.1f} s\n", info.seconds )
+	               : fmt::format(
+	                     "  proofs are not complete after {:.1f} s: the next runs continue them (--proofs S); or leeway pairs "
+	                     "--budget S at once\n",
+	                     info.seconds ) );
 }
 
 Json pairClassJson( const io::LoadedReach& tables )

@@ -44,7 +44,8 @@ std::string contactReason( PairTable& table, const PairRow& row )
 	if ( table.touchAtDefault( row ) )
 	{
 		return fmt::format( "Default (in contact at the default state{})",
-		    row.states > 0 ? fmt::format( ", and in {} of {} random states", percent( row.contactShare() ), row.states ) : "" );
+		    row.states > 0 ? fmt::format( ", and in {} of {} random states", percent( row.contactShare() ), row.states )
+		                   : "" );
 	}
 	const bool supported = row.contactShare() >= supported_claim || table.touchAtMiddle( row );
 	return isClaimOfContact( row ) && supported ? fmt::format( "Default ({})", contactText( row ) ) : "";
@@ -78,10 +79,7 @@ struct Checked
 {
 	const PairTable& table;
 	const NewSrdf* srdf; ///< nullptr: with the SRDF that was given
-	bool operator()( std::size_t row ) const
-	{
-		return srdf != nullptr ? !srdf->disabled[row] : !table.rows()[row].disabled;
-	}
+	bool operator()( std::size_t row ) const { return srdf != nullptr ? !srdf->disabled[row] : !table.rows()[row].disabled; }
 };
 
 std::string shareText( const ContactSamples& samples, std::size_t states )
@@ -133,10 +131,11 @@ std::string blockingText( const PairTable& table, const ContactSamples& samples,
 		text += fmt::format( "    {}: in contact in {}, alone in {}\n", pairText( table.rows()[pairs[i].row] ),
 		    shareText( samples, pairs[i].states ), shareText( samples, pairs[i].alone ) );
 	}
-	return text + ( srdf != nullptr
-	                      ? "    if their shapes are meant to overlap, disable them in the SRDF with a reason of your own, which is kept; else narrow the "
-	                        "joint limits, or correct the shapes\n"
-	                      : "    --out writes an SRDF without the pairs that touch by design\n" );
+	return text +
+	       ( srdf != nullptr
+	               ? "    if their shapes are meant to overlap, disable them in the SRDF with a reason of your own, which is kept; else narrow the "
+	                 "joint limits, or correct the shapes\n"
+	               : "    --out writes an SRDF without the pairs that touch by design\n" );
 }
 
 } // namespace
@@ -231,7 +230,8 @@ std::string describe( const NewSrdf& srdf, const std::string& file, bool verbose
 	}
 	for ( const PairRow* row : srdf.free_elsewhere )
 	{
-		text += fmt::format( "  disabled for its contact, but free in other states: {}, {}\n", pairText( *row ), contactText( *row ) );
+		text += fmt::format(
+		    "  disabled for its contact, but free in other states: {}, {}\n", pairText( *row ), contactText( *row ) );
 	}
 	return text;
 }
@@ -243,13 +243,16 @@ std::string describeNear( const PairTable& table, const ContactSamples& samples,
 	{
 		const PairRow& row = table.rows()[range.row];
 		const bool disabled = srdf != nullptr ? srdf->disabled[range.row] : row.disabled;
-		text += fmt::format( "near by design: {} {:.3g} to {:.3g} mm in {} random states{}{}\n", pairText( row ), 1000 * range.least,
-		    1000 * range.most, range.states, row.pair.closest < range.least ? fmt::format( ", closest seen {:.3g} mm", 1000 * row.pair.closest ) : "",
+		text += fmt::format( "near by design: {} {:.3g} to {:.3g} mm in {} random states{}{}\n", pairText( row ),
+		    1000 * range.least, 1000 * range.most, range.states,
+		    row.pair.closest < range.least ? fmt::format( ", closest seen {:.3g} mm", 1000 * row.pair.closest ) : "",
 		    disabled ? "; disabled" : "" );
 	}
-	return text.empty() ? ""
-	                    : text + "  (nothing to set while --min-d and --self-margin are below the smaller number; disable a pair with a reason of "
-	                             "your own if it may touch)\n";
+	return text.empty()
+	           ? ""
+	           : text +
+	                 "  (nothing to set while --min-d and --self-margin are below the smaller number; disable a pair with a reason of "
+	                 "your own if it may touch)\n";
 }
 
 std::string describeUse( PairTable& table, const ContactSamples& samples, const io::RobotModel& model, const NewSrdf* srdf )
@@ -260,14 +263,14 @@ std::string describeUse( PairTable& table, const ContactSamples& samples, const 
 	}
 	const std::size_t given = freeWith( table, samples, nullptr );
 	const std::size_t last = srdf != nullptr ? freeWith( table, samples, srdf ) : given;
-	std::string text = fmt::format( "free of self contact, of {} random states: {} {}", samples.states(), shareText( samples, given ),
-	    model.srdf_file.empty() ? "without an SRDF" : "with the SRDF given" );
+	std::string text = fmt::format( "free of self contact, of {} random states: {} {}", samples.states(),
+	    shareText( samples, given ), model.srdf_file.empty() ? "without an SRDF" : "with the SRDF given" );
 	text += srdf != nullptr ? fmt::format( ", {} with the new one\n", shareText( samples, last ) ) : "\n";
 	const std::size_t cost = srdf != nullptr ? costOfEnabledAgain( table, samples, *srdf ) : 0;
 	if ( cost > 0 )
 	{
-		text += fmt::format( "  the pairs enabled again ({}) block {} that would be free without them\n", srdf->enabled_again.size(),
-		    shareText( samples, cost ) );
+		text += fmt::format( "  the pairs enabled again ({}) block {} that would be free without them\n",
+		    srdf->enabled_again.size(), shareText( samples, cost ) );
 	}
 	const std::string home = touchingAtDefault( table, srdf );
 	text += home.empty() ? "  the default state is free\n" : fmt::format( "  the default state is not free: {}\n", home );
@@ -278,14 +281,15 @@ std::string describeUse( PairTable& table, const ContactSamples& samples, const 
 	return text;
 }
 
-void addUse( Json& json, const PairTable& table, const ContactSamples& samples, const io::RobotModel& model, const NewSrdf* srdf )
+void addUse(
+    Json& json, const PairTable& table, const ContactSamples& samples, const io::RobotModel& model, const NewSrdf* srdf )
 {
 	json["near"] = Json::array();
 	for ( const NearRange& range : samples.near() )
 	{
 		const PairRow& row = table.rows()[range.row];
-		json["near"].push_back( { { "link1", row.first }, { "link2", row.second }, { "least", range.least }, { "most", range.most },
-		    { "states", range.states } } );
+		json["near"].push_back( { { "link1", row.first }, { "link2", row.second }, { "least", range.least },
+		    { "most", range.most }, { "states", range.states } } );
 	}
 	Json& use = json["usability"];
 	use["states"] = samples.states();

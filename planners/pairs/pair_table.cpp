@@ -229,7 +229,8 @@ bool PairTable::touchByDesign( const PairRow& row )
 	return row.contactShare() >= nearly_all || ( row.contactShare() >= most && row.pair.variable_count <= few_variables );
 }
 
-void PairTable::setContacts( std::size_t row, std::uint32_t contacts, std::uint32_t states, const std::vector<double>& state )
+void PairTable::setContacts(
+    std::size_t row, std::uint32_t contacts, std::uint32_t states, const std::vector<double>& state )
 {
 	PairRow& pair = m_rows[row];
 	pair.contacts = contacts;

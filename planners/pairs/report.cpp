@@ -13,8 +13,8 @@ Json rowJson( const PairRow& row )
 	    { "proof", row.pair.separation > 0 ? Json( lw_pair_proof_name( row.pair.proof ) ) : Json( nullptr ) },
 	    { "separation", row.pair.separation }, { "closest", motions::jsonNumber( row.pair.closest ) },
 	    { "contact_share", row.contactShare() }, { "contact_states", row.states },
-	    { "never_seen_states", row.never_seen > 0 ? Json( row.never_seen ) : Json( nullptr ) }, { "adjacent", row.pair.adjacent },
-	    { "reason", row.disabled ? Json( row.reason ) : Json( nullptr ) } };
+	    { "never_seen_states", row.never_seen > 0 ? Json( row.never_seen ) : Json( nullptr ) },
+	    { "adjacent", row.pair.adjacent }, { "reason", row.disabled ? Json( row.reason ) : Json( nullptr ) } };
 	json["opinion"] = row.opinion == Opinion::NOTHING ? Json( nullptr ) : Json( opinionName( row.opinion ) );
 	return json;
 }
@@ -43,7 +43,8 @@ Json toJson( const Analysis& analysis, const io::RobotModel& model, const Settin
 	json["robot"] = model.name;
 	json["urdf"] = model.urdf_file;
 	json["srdf"] = model.srdf_file.empty() ? Json( nullptr ) : Json( model.srdf_file );
-	for ( const lw_pair_class kind : { LW_PAIR_RIGID, LW_PAIR_ADJACENT, LW_PAIR_ALLOWED, LW_PAIR_NEVER, LW_PAIR_ALWAYS, LW_PAIR_CHECK } )
+	for ( const lw_pair_class kind :
+	    { LW_PAIR_RIGID, LW_PAIR_ADJACENT, LW_PAIR_ALLOWED, LW_PAIR_NEVER, LW_PAIR_ALWAYS, LW_PAIR_CHECK } )
 	{
 		json["classes"][lw_pair_class_name( kind )] = table.count( kind );
 	}

@@ -17,7 +17,8 @@ Json pairClassJson( const io::LoadedReach& tables );
 Json requiredJson( const Required& required );
 
 /// Adds "near" and "usability". @param srdf may be null
-void addUse( Json& json, const PairTable& table, const ContactSamples& samples, const io::RobotModel& model, const NewSrdf* srdf );
+void addUse(
+    Json& json, const PairTable& table, const ContactSamples& samples, const io::RobotModel& model, const NewSrdf* srdf );
 
 Json toJson( const Analysis& analysis, const io::RobotModel& model, const Settings& settings );
 

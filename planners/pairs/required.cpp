@@ -25,7 +25,8 @@ bool groupMoves( const io::Problem& problem, std::uint32_t link )
 	{
 		const std::uint32_t leader = lw_robot_joint_mimic( robot, joint );
 		const std::uint32_t variable = lw_robot_joint_variable( robot, leader == LW_INVALID_INDEX ? joint : leader );
-		if ( variable != LW_INVALID_INDEX && std::find( problem.variables.begin(), problem.variables.end(), variable ) != problem.variables.end() )
+		if ( variable != LW_INVALID_INDEX &&
+		     std::find( problem.variables.begin(), problem.variables.end(), variable ) != problem.variables.end() )
 		{
 			return true;
 		}
@@ -77,7 +78,8 @@ std::vector<RequiredLine> obstacleLines( const io::Problem& problem, const lw_ch
 	{
 		const lw_scene_shape_def shape = lw_scene_shape( scene, i );
 		add( shape.shape, lines[shape.object] );
-		distance[shape.object] = std::fmin( distance[shape.object], lw_checker_obstacle_distance( problem.checker.get(), i ) );
+		distance[shape.object] =
+		    std::fmin( distance[shape.object], lw_checker_obstacle_distance( problem.checker.get(), i ) );
 	}
 	for ( std::uint32_t i = 0; i < lines.size(); ++i )
 	{
@@ -142,15 +144,19 @@ std::string table( const char* title, const std::vector<RequiredLine>& lines )
 	for ( const RequiredLine& line : lines )
 	{
 		fmt::format_to( std::back_inserter( text ), "  {:<8} {:<{}}  {:>9} {:<7}  {}\n", title, line.name, width,
-		    line.triangles, !line.kept ? "dropped" : line.made > 0 ? "kept" : "waits", line.why );
+		    line.triangles,
+		    !line.kept      ? "dropped"
+		    : line.made > 0 ? "kept"
+		                    : "waits",
+		    line.why );
 	}
 	return text;
 }
 
 std::string line( const char* title, const Modelled& m )
 {
-	return fmt::format( "  {}: {} distinct shapes, {} triangles, {} bytes, {:.1f} ms of reading and building\n", title, m.shapes,
-	    m.triangles, m.bytes, m.milliseconds );
+	return fmt::format( "  {}: {} distinct shapes, {} triangles, {} bytes, {:.1f} ms of reading and building\n", title,
+	    m.shapes, m.triangles, m.bytes, m.milliseconds );
 }
 
 Json linesJson( const std::vector<RequiredLine>& lines )
@@ -166,7 +172,8 @@ Json linesJson( const std::vector<RequiredLine>& lines )
 
 Json modelledJson( const Modelled& m )
 {
-	return { { "shapes", m.shapes }, { "triangles", m.triangles }, { "bytes", m.bytes }, { "milliseconds", m.milliseconds } };
+	return {
+	    { "shapes", m.shapes }, { "triangles", m.triangles }, { "bytes", m.bytes }, { "milliseconds", m.milliseconds } };
 }
 
 } // namespace
@@ -176,8 +183,8 @@ Required findRequired( const io::Problem& problem, const io::RobotModel& robot, 
 	Required required;
 	required.checker = lw_checker_get_info( problem.checker.get() );
 	const Query query = makeQuery( problem.checker.get() );
-	(void)motions::measure( problem.checker.get(), query.get(), io::startState( problem ), LW_CHECK_BOTH, nullptr, robot.urdf_file,
-	    "reference state" );
+	(void)motions::measure( problem.checker.get(), query.get(), io::startState( problem ), LW_CHECK_BOTH, nullptr,
+	    robot.urdf_file, "reference state" );
 	required.links = linkLines( problem );
 	required.obstacles = obstacleLines( problem, required.checker );
 	for ( const RequiredLine& obstacle : required.obstacles )
@@ -211,8 +218,9 @@ std::string requiredText( const io::Problem& problem, const Required& required )
 	if ( std::isfinite( horizon ) )
 	{
 		text += fmt::format( "  horizon {:.3f} m: {}\n", horizon,
-		    fixed.upper < horizon ? fmt::format( "no state has more: static {} and {} are this close", fixed.first, fixed.second )
-		                          : "--max-d" );
+		    fixed.upper < horizon
+		        ? fmt::format( "no state has more: static {} and {} are this close", fixed.first, fixed.second )
+		        : "--max-d" );
 	}
 	else
 	{

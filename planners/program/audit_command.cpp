@@ -19,7 +19,8 @@ RoundingAudit proveCorners(
     const Workbench& bench, const std::vector<std::vector<double>>& points, const AuditOptions& options, double min_d )
 {
 	lw_edge_def def = lw_edge_def_default();
-	const std::vector<double> tolerance = tolerances( bench.problem(), "command line", {}, givenTolerances( options.tolerance ) );
+	const std::vector<double> tolerance =
+	    tolerances( bench.problem(), "command line", {}, givenTolerances( options.tolerance ) );
 	def.tolerance = tolerance.empty() ? nullptr : tolerance.data();
 	def.min_d = min_d;
 	def.flags = options.common.checkFlags();

@@ -24,9 +24,8 @@ int runBench( int argc, char** argv )
 	arguments.push_back( nullptr );
 	execv( beside.c_str(), arguments.data() );
 	execvp( name.c_str(), arguments.data() ); // on the PATH
-	tell(
-	    "leeway: error: leeway-bench: {}; it is built with the benchmarks (-DLEEWAY_BUILD_BENCHMARKS=ON), which need "
-	    "FCL, and is looked for beside leeway and on the PATH\n",
+	tell( "leeway: error: leeway-bench: {}; it is built with the benchmarks (-DLEEWAY_BUILD_BENCHMARKS=ON), which need "
+	      "FCL, and is looked for beside leeway and on the PATH\n",
 	    std::strerror( errno ) );
 	return exit_error;
 }

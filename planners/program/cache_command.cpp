@@ -39,9 +39,11 @@ std::string describe( const io::CacheEntry& entry )
 	case io::CacheEntry::tree:
 		return !entry.good ? entry.problem : fmt::format( "{} triangles", entry.triangles );
 	case io::CacheEntry::reach:
-		return !entry.good ? entry.problem
-		                   : fmt::format( "hulls and tables, {} of {} pairs proved, {} can touch, {} open; {:.1f} s, proofs {}", entry.proved,
-		                         entry.pairs, entry.contact, entry.open, entry.seconds, entry.complete ? "complete" : "not complete" );
+		return !entry.good
+		           ? entry.problem
+		           : fmt::format( "hulls and tables, {} of {} pairs proved, {} can touch, {} open; {:.1f} s, proofs {}",
+		                 entry.proved, entry.pairs, entry.contact, entry.open, entry.seconds,
+		                 entry.complete ? "complete" : "not complete" );
 	case io::CacheEntry::leftover:
 		return "of a write that did not end, or of an older leeway";
 	default:
@@ -85,8 +87,9 @@ Json listJson( const std::vector<io::CacheEntry>& entries )
 	{
 		json.push_back( { { "file", entry.file }, { "kind", kindName( entry.kind ) }, { "name", entry.name },
 		    { "bytes", entry.bytes }, { "used", entry.used }, { "good", entry.good }, { "problem", entry.problem },
-		    { "triangles", entry.triangles }, { "seconds", entry.seconds }, { "pairs", entry.pairs }, { "proved", entry.proved },
-		    { "contact", entry.contact }, { "open", entry.open }, { "complete", entry.complete } } );
+		    { "triangles", entry.triangles }, { "seconds", entry.seconds }, { "pairs", entry.pairs },
+		    { "proved", entry.proved }, { "contact", entry.contact }, { "open", entry.open },
+		    { "complete", entry.complete } } );
 	}
 	return json;
 }
@@ -99,12 +102,14 @@ int runCache( const CacheOptions& options )
 	const std::string folder = options.folder.empty() ? io::defaultCacheFolder() : options.folder;
 	if ( folder.empty() )
 	{
-		throw io::Error( "command line", "--cache", "neither XDG_CACHE_HOME nor HOME says where caches are", "add --cache DIR" );
+		throw io::Error(
+		    "command line", "--cache", "neither XDG_CACHE_HOME nor HOME says where caches are", "add --cache DIR" );
 	}
 	if ( options.folder.empty() && !std::filesystem::exists( folder ) )
 	{
 		printOut( fmt::format( "{}: there is no cache yet\n", folder ) );
-		json_file.text = jsonText( Json{ { "folder", folder }, { "removed_files", 0 }, { "removed_bytes", 0 }, { "files", Json::array() } } );
+		json_file.text = jsonText(
+		    Json{ { "folder", folder }, { "removed_files", 0 }, { "removed_bytes", 0 }, { "files", Json::array() } } );
 		if ( !options.json.empty() )
 		{
 			json_file.commit();
@@ -127,7 +132,7 @@ int runCache( const CacheOptions& options )
 	if ( !options.json.empty() )
 	{
 		Json json = { { "folder", folder }, { "removed_files", trimmed.files }, { "removed_bytes", trimmed.bytes },
-			{ "files", listJson( entries ) } };
+		    { "files", listJson( entries ) } };
 		json_file.text = jsonText( json );
 		json_file.commit();
 	}

@@ -82,8 +82,7 @@ int runCheck( const CheckOptions& options )
 	}
 	out.commit();
 	const auto [median, mean] = medianAndMean( microseconds );
-	tell(
-	    "leeway: {}: {} FREE, {} BLOCKED, {} UNDECIDED; median {:.1f}, mean {:.1f} microseconds per state\n",
+	tell( "leeway: {}: {} FREE, {} BLOCKED, {} UNDECIDED; median {:.1f}, mean {:.1f} microseconds per state\n",
 	    counted( states.size(), "state" ), counts.free, counts.blocked, counts.undecided, median, mean );
 	return counts.free == states.size() ? exit_yes : exit_no;
 }

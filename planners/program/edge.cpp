@@ -126,9 +126,8 @@ std::string intervals( const Workbench& bench, const std::vector<double>& qa, co
 	lw_robot_interpolate( bench.robot(), bench.fullState( qa ).data(), bench.fullState( qb ).data(), edge.t, full.data() );
 	const lw_state_result state =
 	    measure( bench, bench.groupState( full ), def.flags, nullptr, file, fmt::format( "line {}", line ) );
-	return clearanceCells(
-	    nameEnvironment( bench.checker(), state.environment, environment ), nameSelf( bench.checker(), state.self, self ),
-	    margins );
+	return clearanceCells( nameEnvironment( bench.checker(), state.environment, environment ),
+	    nameSelf( bench.checker(), state.self, self ), margins );
 }
 
 std::string pairCell( const Workbench& bench, const lw_edge_result& edge )
@@ -160,9 +159,11 @@ void tellUndecided( const std::map<std::string, UndecidedEdges>& undecided_pairs
 	}
 	else if ( most != undecided_pairs.end() )
 	{
-		tell( "leeway: {} undecided for {}, which come within {:.3g} m of each other: disable the pair in the SRDF if it may touch "
-		      "(leeway pairs shows which){}\n",
-		    counted( most->second.edges, "edge" ), most->first, most->second.clearance, min_d > 0 ? ", or lower --min-d" : "" );
+		tell(
+		    "leeway: {} undecided for {}, which come within {:.3g} m of each other: disable the pair in the SRDF if it may touch "
+		    "(leeway pairs shows which){}\n",
+		    counted( most->second.edges, "edge" ), most->first, most->second.clearance,
+		    min_d > 0 ? ", or lower --min-d" : "" );
 	}
 }
 
@@ -182,8 +183,8 @@ int runEdge( const EdgeCommandOptions& options )
 	const std::vector<Ends> edges = readEnds( table, bench, input.robot, notices );
 	const lw_edge_def def = edgeDef( options );
 
-	out.text = fmt::format( "index,verdict,t,proved_until,{},pair,queries,microseconds\n",
-	    clearanceHeader( hasMargins( bench.checker() ) ) );
+	out.text = fmt::format(
+	    "index,verdict,t,proved_until,{},pair,queries,microseconds\n", clearanceHeader( hasMargins( bench.checker() ) ) );
 	std::size_t free = 0, blocked = 0, undecided = 0;
 	std::map<std::string, UndecidedEdges> undecided_pairs;
 	std::vector<double> microseconds;
@@ -217,8 +218,7 @@ int runEdge( const EdgeCommandOptions& options )
 	}
 	out.commit();
 	const auto [median, mean] = medianAndMean( microseconds );
-	tell(
-	    "leeway: {}: {} FREE, {} BLOCKED, {} UNDECIDED; median {:.1f}, mean {:.1f} microseconds per edge\n",
+	tell( "leeway: {}: {} FREE, {} BLOCKED, {} UNDECIDED; median {:.1f}, mean {:.1f} microseconds per edge\n",
 	    counted( edges.size(), "edge" ), free, blocked, undecided, median, mean );
 	tellUndecided( undecided_pairs, options.common.min_d );
 	return free == edges.size() ? exit_yes : exit_no;

@@ -70,7 +70,8 @@ const io::GroupState& findState(
 {
 	if ( robot.srdf_file.empty() && robot.group_states.empty() )
 	{
-		wrong( option, fmt::format( "'{}' names a state, and there is no SRDF", name ), "give --srdf, or write joint=value,joint=value" );
+		wrong( option, fmt::format( "'{}' names a state, and there is no SRDF", name ),
+		    "give --srdf, or write joint=value,joint=value" );
 	}
 	const bool own = std::any_of( robot.group_states.begin(), robot.group_states.end(),
 	    [&]( const io::GroupState& state ) { return state.name == name && state.group == group; } );
@@ -238,7 +239,8 @@ void readGoalPose( const std::string& text, io::Request& request )
 	const double length = std::hypot( std::hypot( numbers[3], numbers[4] ), std::hypot( numbers[5], numbers[6] ) );
 	if ( !( std::fabs( length - 1 ) <= 0.01 ) )
 	{
-		wrong( option, fmt::format( "the quaternion has length {:.4g}, not 1", length ), "give QX,QY,QZ,QW of length 1; 0,0,0,1 turns nothing" );
+		wrong( option, fmt::format( "the quaternion has length {:.4g}, not 1", length ),
+		    "give QX,QY,QZ,QW of length 1; 0,0,0,1 turns nothing" );
 	}
 	for ( std::size_t i = 0; i < 4; ++i )
 	{
@@ -309,8 +311,8 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 		        : parse( "--start", options.start, wanted, input.robot );
 		if ( ends.group.empty() && !state_group.empty() && !start.group.empty() && start.group != state_group )
 		{
-			wrong( "--start",
-			    fmt::format( "is a state of group {}, --goal of group {}", start.group, state_group ), "say which moves with --group" );
+			wrong( "--start", fmt::format( "is a state of group {}, --goal of group {}", start.group, state_group ),
+			    "say which moves with --group" );
 		}
 		state_group = state_group.empty() ? start.group : state_group;
 		for ( const auto& [name, value] : start.values )

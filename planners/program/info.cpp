@@ -155,7 +155,8 @@ std::string shapeTable( const std::vector<ShapeLine>& lines )
 		owner_width = std::max( owner_width, line.owner.size() );
 		source_width = std::max( source_width, line.source.size() );
 	}
-	const bool coarser = std::any_of( lines.begin(), lines.end(), []( const ShapeLine& line ) { return line.info.excess > 0; } );
+	const bool coarser =
+	    std::any_of( lines.begin(), lines.end(), []( const ShapeLine& line ) { return line.info.excess > 0; } );
 	std::string text = fmt::format( "  {:<{}}  {:<{}} {:>9} {:>8} {:>10} {:>9}{}\n", "owner", owner_width, "source",
 	    source_width, "triangles", "nodes", "bytes", "ms", coarser ? "  stands for  excess mm" : "" );
 	for ( const ShapeLine& line : lines )
@@ -176,9 +177,10 @@ std::string totalLine( const char* what, const Totals& totals )
 {
 	const double per_triangle =
 	    totals.distinct_triangles == 0 ? 0 : double( totals.bytes ) / double( totals.distinct_triangles );
-	const std::string coarser = totals.excess > 0
-	    ? fmt::format( "; they stand for {} triangles or points, with an excess of at most {:.3f} mm", totals.stands_for, 1000 * totals.excess )
-	    : "";
+	const std::string coarser =
+	    totals.excess > 0 ? fmt::format( "; they stand for {} triangles or points, with an excess of at most {:.3f} mm",
+	                            totals.stands_for, 1000 * totals.excess )
+	                      : "";
 	return fmt::format(
 	    "{}: {} collision elements with {} triangles from {} distinct shapes ({} triangles, {} tree nodes, {} leaves, {} "
 	    "bytes, {:.0f} bytes per triangle); read and built in {:.1f} ms{}\n",
@@ -188,8 +190,8 @@ std::string totalLine( const char* what, const Totals& totals )
 
 Json totalJson( const Totals& totals )
 {
-	return { { "elements", totals.elements }, { "triangles", totals.triangles },
-	    { "stands_for", totals.stands_for }, { "excess", totals.excess }, { "distinct_shapes", totals.shapes },
+	return { { "elements", totals.elements }, { "triangles", totals.triangles }, { "stands_for", totals.stands_for },
+	    { "excess", totals.excess }, { "distinct_shapes", totals.shapes },
 	    { "distinct_triangles", totals.distinct_triangles }, { "nodes", totals.nodes }, { "leaves", totals.leaves },
 	    { "bytes", totals.bytes }, { "milliseconds", totals.milliseconds } };
 }
@@ -272,8 +274,9 @@ std::string checkerText( const Workbench& bench, const PairCounts& pairs, const 
 	}
 	if ( hasMargins( bench.checker() ) )
 	{
-		text += fmt::format( "  margins: up to {} m to obstacles, {} m between links; clearances are distances less margins\n",
-		    info.environment_margin, info.self_margin );
+		text +=
+		    fmt::format( "  margins: up to {} m to obstacles, {} m between links; clearances are distances less margins\n",
+		        info.environment_margin, info.self_margin );
 	}
 	const Named fixed = nameEnvironment( bench.checker(), info.static_environment );
 	return text + ( fixed.first.empty() ? "  static bodies: nothing near\n"
@@ -329,7 +332,8 @@ int runInfo( const InfoOptions& options )
 	}
 	input.max_d = options.common.max_d;
 	const Workbench bench( input, options.common.group, {}, notices );
-	const Required required = findRequired( bench.problem(), input.robot, input.scene ? &*input.scene : nullptr ); // from here on everything is made
+	const Required required = findRequired(
+	    bench.problem(), input.robot, input.scene ? &*input.scene : nullptr ); // from here on everything is made
 	std::vector<ShapeLine> robot_shapes, scene_shapes;
 	addShapes( input, robot_shapes, scene_shapes );
 	const PairCounts pairs = countPairs( bench, input.robot );
@@ -341,8 +345,10 @@ int runInfo( const InfoOptions& options )
 	text += input.scene ? sceneText( *input.scene, scene_shapes ) : "no scene\n";
 	text += checkerText( bench, pairs, info ) + requiredText( bench.problem(), required );
 	text += bench.reach().reach ? pairClassText( bench.reach() )
-	        : input.reach      ? fmt::format( "no pair tables in the cache yet: check, edge, plan, audit and tune make them, {} s a run\n", input.reach->def.seconds )
-	                           : "";
+	        : input.reach
+	            ? fmt::format( "no pair tables in the cache yet: check, edge, plan, audit and tune make them, {} s a run\n",
+	                  input.reach->def.seconds )
+	            : "";
 	const io::LoadedReach hulls = hullsOf( bench );
 	notices.add( "motion hulls", hulls.notices );
 	text += hulls.reach ? hierarchyText( hulls ) : "";
@@ -362,15 +368,14 @@ int runInfo( const InfoOptions& options )
 		{
 			json["scene"] = { { "name", input.scene->name }, { "file", input.scene->file },
 			    { "objects", input.scene->objects.size() }, { "attached", input.scene->attached.size() },
-			    { "shapes", shapesJson( scene_shapes ) }, { "total", totalJson( total( scene_shapes, &input.scene->report ) ) },
-			    { "seconds", input.scene_seconds } };
+			    { "shapes", shapesJson( scene_shapes ) },
+			    { "total", totalJson( total( scene_shapes, &input.scene->report ) ) }, { "seconds", input.scene_seconds } };
 		}
 		json["checker"] = { { "group", bench.problem().group }, { "variables", bench.problem().variable_names },
 		    { "moving_bodies", info.moving_bodies }, { "static_bodies", info.static_bodies },
 		    { "environment_pairs", info.environment_pairs }, { "self_pairs", info.self_pairs },
 		    { "largest_margin", { { "environment", info.environment_margin }, { "self", info.self_margin } } },
-		    { "bytes", info.bytes },
-		    { "seconds", bench.buildSeconds() }, { "link_pairs", pairsJson( pairs ) },
+		    { "bytes", info.bytes }, { "seconds", bench.buildSeconds() }, { "link_pairs", pairsJson( pairs ) },
 		    { "static_environment", jsonClearance( nameEnvironment( bench.checker(), info.static_environment ) ) } };
 		json["required"] = requiredJson( required );
 		json["cache"] = {

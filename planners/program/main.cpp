@@ -40,9 +40,11 @@ CLI::App* addCache( CLI::App& app, CacheOptions& options )
 {
 	CLI::App* command = app.add_subcommand( "cache", "list the cache folder and limit its size" );
 	addHelp( *command, cache_help.summary, cache_help.details );
-	command->add_option( "--cache", options.folder, "the folder (default $XDG_CACHE_HOME/leeway, else ~/.cache/leeway)" )->type_name( "DIR" );
+	command->add_option( "--cache", options.folder, "the folder (default $XDG_CACHE_HOME/leeway, else ~/.cache/leeway)" )
+	    ->type_name( "DIR" );
 	command->add_flag( "--clean", options.clean, "remove all files of leeway" );
-	command->add_option( "--limit", options.limit, "megabytes to keep: the least recently used files are removed" )->type_name( "MB" );
+	command->add_option( "--limit", options.limit, "megabytes to keep: the least recently used files are removed" )
+	    ->type_name( "MB" );
 	command->add_option( "--json", options.json, "the list as JSON" )->type_name( "FILE" );
 	return command;
 }
@@ -66,8 +68,7 @@ CLI::App* addPairs( CLI::App& app, PairsOptions& options )
 	CLI::App* command = app.add_subcommand( "pairs", "find the pairs of links that can meet; write an SRDF" );
 	addHelp( *command, pairs_help.summary, pairs_help.details );
 	addCommonOptions( *command, options.common, { true, false, false, false } );
-	command->add_option( "--budget", options.budget, "seconds for proofs; 0: by hulls only (default 15)" )
-	    ->type_name( "S" );
+	command->add_option( "--budget", options.budget, "seconds for proofs; 0: by hulls only (default 15)" )->type_name( "S" );
 	command
 	    ->add_option( "--samples", options.samples,
 	        fmt::format( "random states at which all pairs are measured (default {})", options.samples ) )
@@ -89,10 +90,12 @@ CLI::App* addSpherize( CLI::App& app, SpherizeOptions& options )
 	CLI::App* command = app.add_subcommand( "spherize", "enclose the links in spheres, for other programs" );
 	addHelp( *command, spherize_help.summary, spherize_help.details );
 	addCommonOptions( *command, options.common, { true, false, false, false } );
-	CLI::Option* excess = command
-	    ->add_option( "--excess", options.excess, "millimetres: how far a sphere may extend beyond its link" )
-	    ->type_name( "MM" );
-	command->add_option( "--spheres", options.spheres, "largest number of spheres of the whole robot; the search minimises the excess" )
+	CLI::Option* excess =
+	    command->add_option( "--excess", options.excess, "millimetres: how far a sphere may extend beyond its link" )
+	        ->type_name( "MM" );
+	command
+	    ->add_option(
+	        "--spheres", options.spheres, "largest number of spheres of the whole robot; the search minimises the excess" )
 	    ->type_name( "N" )
 	    ->excludes( excess );
 	command
@@ -101,8 +104,7 @@ CLI::App* addSpherize( CLI::App& app, SpherizeOptions& options )
 	    ->type_name( "MM" );
 	command
 	    ->add_option( "--time", options.time,
-	        fmt::format( "seconds for the search; then the best spheres so far are written (default {:g})",
-	            options.time ) )
+	        fmt::format( "seconds for the search; then the best spheres so far are written (default {:g})", options.time ) )
 	    ->type_name( "S" );
 	command->add_option( "--out", options.out, "folder for the results" )->type_name( "FOLDER" )->required();
 	addViewOption( *command, options.view );
@@ -142,7 +144,8 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	        "--goal", options.goal, "joint=value,..., a group_state, or random; other joints keep their start value" )
 	    ->type_name( "GOAL" );
 	command
-	    ->add_option( "--goal-pose", options.goal_poses, "LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW in the planning frame; repeatable" )
+	    ->add_option(
+	        "--goal-pose", options.goal_poses, "LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW in the planning frame; repeatable" )
 	    ->type_name( "POSE" );
 	command
 	    ->add_option( "--start", options.start,
@@ -150,7 +153,9 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	    ->type_name( "START" );
 	command->add_option( "--request", options.common.request, "file with start and goal; --start and --goal override it" )
 	    ->type_name( "Q.yaml" );
-	command->add_option( "--planner", options.planner, "Leeway, or a planner of OMPL (default: Leeway, then SBL for the second half of the time)" )
+	command
+	    ->add_option( "--planner", options.planner,
+	        "Leeway, or a planner of OMPL (default: Leeway, then SBL for the second half of the time)" )
 	    ->type_name( "NAME" );
 	command
 	    ->add_option(
@@ -158,7 +163,8 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	    ->type_name( "S" );
 	rare( command->add_option( "--optimize", options.optimize, "seconds for shorter paths after the first (default 0)" )
 	          ->type_name( "S" ) );
-	rare( command->add_option( "--seed", options.seed, "seed of the random numbers, 1 or more (default 1)" )->type_name( "N" ) );
+	rare( command->add_option( "--seed", options.seed, "seed of the random numbers, 1 or more (default 1)" )
+	          ->type_name( "N" ) );
 	rare(
 	    command
 	        ->add_option( "--threads", options.threads,
@@ -271,14 +277,16 @@ CLI::App* addTune( CLI::App& app, TuneOptions& options )
 	command->add_option( "--max-d", options.common.max_d, "metres: larger clearances count as equal (default 0.5)" )
 	    ->type_name( "M" )
 	    ->group( "Question" );
-	CLI::Option* time =
-	    command->add_option( "--time-per-state", options.time_per_state, "target: microseconds; proposes the most accurate setting within it" )
-	        ->type_name( "US" )
-	        ->group( "Question" );
-	CLI::Option* error =
-	    command->add_option( "--error", options.error, "target: millimetres of error of a state's clearance; proposes the fastest setting" )
-	        ->type_name( "MM" )
-	        ->group( "Question" );
+	CLI::Option* time = command
+	                        ->add_option( "--time-per-state", options.time_per_state,
+	                            "target: microseconds; proposes the most accurate setting within it" )
+	                        ->type_name( "US" )
+	                        ->group( "Question" );
+	CLI::Option* error = command
+	                         ->add_option( "--error", options.error,
+	                             "target: millimetres of error of a state's clearance; proposes the fastest setting" )
+	                         ->type_name( "MM" )
+	                         ->group( "Question" );
 	command
 	    ->add_option( "--edge-conservatism", options.edge_conservatism,
 	        "target: free motions with more millimetres above --min-d are decided; proposes the fastest" )
@@ -290,9 +298,9 @@ CLI::App* addTune( CLI::App& app, TuneOptions& options )
 	rare( command->add_option( "--states", options.states, "number of random states (default 400)" )->type_name( "N" ) );
 	rare( command->add_option( "--edges", options.edges, "number of random motions (default 100)" )->type_name( "N" ) );
 	rare( command->add_option( "--seed", options.seed, "seed of states and motions (default 1)" )->type_name( "N" ) );
-	rare( command
-	          ->add_option( "--rate", options.rate, "rate of this machine, printed by an earlier run (default: measured)" )
-	          ->type_name( "R" ) );
+	rare(
+	    command->add_option( "--rate", options.rate, "rate of this machine, printed by an earlier run (default: measured)" )
+	        ->type_name( "R" ) );
 	command->add_option( "--csv", options.csv, "all settings as CSV" )->type_name( "FILE.csv" );
 	command->add_option( "--json", options.json, "all settings and the proposal as JSON" )->type_name( "FILE" );
 	addViewOption( *command, options.view );
@@ -479,8 +487,9 @@ std::string plainWords( const std::string& problem )
 	static const std::regex twice( "(.*): At Most (\\d+) required but received (\\d+)" );
 	std::smatch match;
 	return !std::regex_match( problem, match, twice ) ? problem
-	       : match[2] == "1"                          ? fmt::format( "{}: is given {} times; give it once", match[1].str(), match[3].str() )
-	                         : fmt::format( "{}: is given {} times; give it at most {} times", match[1].str(), match[3].str(), match[2].str() );
+	       : match[2] == "1" ? fmt::format( "{}: is given {} times; give it once", match[1].str(), match[3].str() )
+	                         : fmt::format( "{}: is given {} times; give it at most {} times", match[1].str(),
+	                               match[3].str(), match[2].str() );
 }
 
 // Error text for the first word that is nearly an option; empty if there is none. It is told before an option that it makes missing.

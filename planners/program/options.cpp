@@ -48,11 +48,11 @@ void addQuestionOptions( CLI::App& app, CommonOptions& options, const CommonNeed
 	app.add_option( "--min-d", options.min_d, "required clearance in metres: at or below it is BLOCKED (default 0)" )
 	    ->type_name( "M" )
 	    ->group( question );
-	app.add_option( "--margins", options.margins,
-	       "margins of links, objects and pairs: clearance = distance - margin" )
+	app.add_option( "--margins", options.margins, "margins of links, objects and pairs: clearance = distance - margin" )
 	    ->type_name( "M.yaml" )
 	    ->group( question );
-	rare( app.add_option( "--margin", options.margin, "metres: margin of every link to every object (default: the file's, or 0)" )
+	rare( app.add_option(
+	             "--margin", options.margin, "metres: margin of every link to every object (default: the file's, or 0)" )
 	          ->type_name( "M" )
 	          ->group( question ) );
 	rare( app.add_option( "--self-margin", options.self_margin,
@@ -65,8 +65,7 @@ void addQuestionOptions( CLI::App& app, CommonOptions& options, const CommonNeed
 	          ->group( question ) );
 	if ( needs.range )
 	{
-		app.add_option( "--max-d", options.max_d,
-		       "metres: larger clearances are not measured (default inf)" )
+		app.add_option( "--max-d", options.max_d, "metres: larger clearances are not measured (default inf)" )
 		    ->type_name( "M" )
 		    ->group( question );
 		rare( app.add_option( "--alpha", options.alpha,
@@ -86,10 +85,11 @@ void addQuestionOptions( CLI::App& app, CommonOptions& options, const CommonNeed
 
 void addCacheOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs, const std::string& model )
 {
-	CLI::Option* cache = app.add_option( "--cache", options.cache,
-	                             "folder of trees, hulls and pair tables (default $XDG_CACHE_HOME/leeway, else ~/.cache/leeway)" )
-	                         ->type_name( "DIR" )
-	                         ->group( model );
+	CLI::Option* cache =
+	    app.add_option( "--cache", options.cache,
+	           "folder of trees, hulls and pair tables (default $XDG_CACHE_HOME/leeway, else ~/.cache/leeway)" )
+	        ->type_name( "DIR" )
+	        ->group( model );
 	rare( cache );
 	rare( app.add_flag( "--no-cache", options.no_cache, "use no cache folder: no motion hulls, no pair tables" )
 	          ->excludes( cache )
@@ -101,12 +101,13 @@ void addCacheOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& 
 	          ->group( model ) );
 	if ( needs.world )
 	{
-		rare( app.add_option( "--proofs", options.proofs,
-		             fmt::format( "seconds that this run may spend on proofs that links never meet; the cache keeps them, and "
-		                          "the next run continues (default {}{})",
-		                 options.proofs, needs.proofs ? "" : "; info makes none without this option" ) )
-		          ->type_name( "S" )
-		          ->group( model ) );
+		rare(
+		    app.add_option( "--proofs", options.proofs,
+		           fmt::format( "seconds that this run may spend on proofs that links never meet; the cache keeps them, and "
+		                        "the next run continues (default {}{})",
+		               options.proofs, needs.proofs ? "" : "; info makes none without this option" ) )
+		        ->type_name( "S" )
+		        ->group( model ) );
 	}
 }
 
@@ -166,10 +167,11 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 	}
 	if ( needs.detail )
 	{
-		rare( app.add_option( "--detail", options.detail,
-		             "millimetres: use coarser shapes that contain the originals and exceed them by at most this (default 0)" )
-		          ->type_name( "MM" )
-		          ->group( model ) );
+		rare(
+		    app.add_option( "--detail", options.detail,
+		           "millimetres: use coarser shapes that contain the originals and exceed them by at most this (default 0)" )
+		        ->type_name( "MM" )
+		        ->group( model ) );
 	}
 	app.add_flag( "--verbose", options.verbose, "print all notices and pairs, and the planner's own messages" );
 }
@@ -232,7 +234,8 @@ io::Limits inputLimits( const std::vector<std::string>& given )
 	for ( const std::string& text : given )
 	{
 		const std::size_t equals = text.find( '=' );
-		const std::string name = text.substr( 0, equals ), value = equals != std::string::npos ? text.substr( equals + 1 ) : "";
+		const std::string name = text.substr( 0, equals ),
+		                  value = equals != std::string::npos ? text.substr( equals + 1 ) : "";
 		std::uint64_t number_ = 0;
 		const auto [end, error] = std::from_chars( value.data(), value.data() + value.size(), number_ );
 		std::string known;
@@ -248,7 +251,8 @@ io::Limits inputLimits( const std::vector<std::string>& given )
 		}
 		if ( !found || value.empty() || error != std::errc() || end != value.data() + value.size() )
 		{
-			wrong( "--input-limit", fmt::format( "{} is not NAME=N", text ), fmt::format( "give a whole number to one of {}", known ) );
+			wrong( "--input-limit", fmt::format( "{} is not NAME=N", text ),
+			    fmt::format( "give a whole number to one of {}", known ) );
 		}
 	}
 	return limits;
@@ -357,9 +361,11 @@ void validate( const CLI::App& app, TuneOptions& options )
 	}
 	// Proofs near contact take work in inverse proportion
 	constexpr double least_conservatism = 1e-3; // millimetres
-	if ( options.conservatism_given && !( options.edge_conservatism >= least_conservatism && std::isfinite( options.edge_conservatism ) ) )
+	if ( options.conservatism_given &&
+	     !( options.edge_conservatism >= least_conservatism && std::isfinite( options.edge_conservatism ) ) )
 	{
-		wrong( "--edge-conservatism", fmt::format( "{} is not a finite number of at least {}", options.edge_conservatism, least_conservatism ),
+		wrong( "--edge-conservatism",
+		    fmt::format( "{} is not a finite number of at least {}", options.edge_conservatism, least_conservatism ),
 		    "give millimetres: every proof of a motion needs some room" );
 	}
 	if ( given( app, "--rate" ) )

@@ -44,14 +44,14 @@ struct CommonOptions
 	double margin = 0, self_margin = 0; ///< over those of the file, if given
 	bool margin_given = false, self_margin_given = false;
 	std::string what_name = "both", simd_name = "best";
-	double detail = 0; ///< millimetres
+	double detail = 0;                                             ///< millimetres
 	double cache_limit = 1e-6 * double( io::default_cache_limit ); ///< megabytes
-	std::vector<std::string> input_limits; ///< NAME=N
+	std::vector<std::string> input_limits;                         ///< NAME=N
 	bool visual = false, strict = false;
 	bool verbose = false;
 	bool no_cache = false;
-	bool default_cache = false; ///< `cache` is where the platform keeps caches: nobody named it
-	std::string no_default_cache; ///< why there is none although nobody declined it
+	bool default_cache = false;                ///< `cache` is where the platform keeps caches: nobody named it
+	std::string no_default_cache;              ///< why there is none although nobody declined it
 	double proofs = io::default_proof_seconds; ///< seconds
 	bool proofs_given = false;
 
@@ -116,14 +116,14 @@ struct PlanOptions
 {
 	CommonOptions common;
 	EdgeOptions edge;
-	std::string start, goal; ///< joint=value,... or the name of a group_state; over those of the request
+	std::string start, goal;             ///< joint=value,... or the name of a group_state; over those of the request
 	std::vector<std::string> goal_poses; ///< LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW
-	std::string planner; ///< empty: Leeway, and SBL for the second half of the time
+	std::string planner;                 ///< empty: Leeway, and SBL for the second half of the time
 	std::string out, report, trajectory, joint_limits, view;
-	double time = 0; ///< seconds; 0 = the request's allowed_planning_time, else 60
+	double time = 0;     ///< seconds; 0 = the request's allowed_planning_time, else 60
 	double optimize = 0; ///< seconds for shorter paths after the first
 	std::uint32_t seed = 1;
-	std::uint32_t threads = 0; ///< of the planner; 0 = its own choice
+	std::uint32_t threads = 0;           ///< of the planner; 0 = its own choice
 	std::vector<std::string> parameters; ///< of the planner, NAME=VALUE
 	bool simplify = true;
 	double resolution = 1e-4; ///< metres, of the audit
@@ -153,7 +153,7 @@ struct ViewOptions
 struct TuneOptions
 {
 	CommonOptions common;
-	TuneOptions() { common.max_d = 0.5; } // as Options::max_d of the OMPL shim
+	TuneOptions() { common.max_d = 0.5; }                        // as Options::max_d of the OMPL shim
 	double time_per_state = 0, error = 0, edge_conservatism = 0; ///< microseconds, millimetres, millimetres
 	bool time_given = false, error_given = false, conservatism_given = false;
 	double rate = 0; ///< of the machine; 0: measure it
@@ -171,7 +171,7 @@ struct CommonNeeds
 	bool world = true;   ///< --scene, --group, --min-d, --what and --simd make sense
 	bool detail = false; ///< --detail is offered
 	const char* group_help = "planning group of the SRDF; without it all joints can move";
-	bool proofs = true;  ///< proofs are made without --proofs
+	bool proofs = true; ///< proofs are made without --proofs
 };
 
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs );

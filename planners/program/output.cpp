@@ -23,10 +23,10 @@ namespace leeway::cli
 namespace
 {
 
-constexpr double progress_after = 1.0;       // seconds: shorter work says nothing
-constexpr double progress_line_every = 4.0;  // seconds between lines where stderr is a file
+constexpr double progress_after = 1.0;         // seconds: shorter work says nothing
+constexpr double progress_line_every = 4.0;    // seconds between lines where stderr is a file
 constexpr const char* clear_line = "\r\x1b[K"; // of a terminal
-constexpr double progress_redraw_every = .2; // seconds between redraws on a terminal
+constexpr double progress_redraw_every = .2;   // seconds between redraws on a terminal
 
 // Temporary files to remove on a signal. A handler may only touch plain static memory, hence fixed slots: the program never
 // has more than a few result files open.
@@ -102,8 +102,8 @@ private:
 
 [[noreturn]] void cannotWrite( const std::string& path, int error )
 {
-	throw io::Error( path, "output", std::string( "cannot be written: " ) + std::strerror( error ),
-	    "name a file in a writable folder" );
+	throw io::Error(
+	    path, "output", std::string( "cannot be written: " ) + std::strerror( error ), "name a file in a writable folder" );
 }
 
 bool writeAll( int file, const std::string& text )
@@ -141,7 +141,8 @@ bool sameFile( const std::string& a, const std::string& b )
 		return of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino && S_ISREG( of_a.st_mode );
 	}
 	std::error_code bad_a, bad_b;
-	const fs::path real_a = fs::weakly_canonical( fs::absolute( a, bad_a ), bad_a ), real_b = fs::weakly_canonical( fs::absolute( b, bad_b ), bad_b );
+	const fs::path real_a = fs::weakly_canonical( fs::absolute( a, bad_a ), bad_a ),
+	               real_b = fs::weakly_canonical( fs::absolute( b, bad_b ), bad_b );
 	return a_is == b_is && !bad_a && !bad_b && real_a == real_b;
 }
 
@@ -286,7 +287,8 @@ void Progress::run()
 		const std::string steps =
 		    m_total == 0 ? m_stage
 		                 : fmt::format( " {} of {} ({:.0f} %)", done, m_total, 100.0 * double( done ) / double( m_total ) );
-		fmt::print( stderr, "{}leeway: {} ...{} {:.0f} s{}", terminal ? clear_line : "", m_label, steps, now() - start, terminal ? "" : "\n" );
+		fmt::print( stderr, "{}leeway: {} ...{} {:.0f} s{}", terminal ? clear_line : "", m_label, steps, now() - start,
+		    terminal ? "" : "\n" );
 		std::fflush( stderr );
 		shown = true;
 		wait = terminal ? progress_redraw_every : progress_line_every;
@@ -307,7 +309,8 @@ std::function<void( const char* stage, double share )> shownBy( Progress& progre
 			start = now();
 		}
 		const double spent = now() - start;
-		progress.stage( fmt::format( "{}, about {:.0f} s left", stage, share > 0 ? spent * ( 1 - share ) / share : 0 ), share );
+		progress.stage(
+		    fmt::format( "{}, about {:.0f} s left", stage, share > 0 ? spent * ( 1 - share ) / share : 0 ), share );
 	};
 }
 

@@ -255,10 +255,11 @@ int runPairs( const PairsOptions& options )
 	    : reach.advanced ? "of earlier runs continued"
 	                     : "of earlier runs read",
 	    reach.milliseconds / 1000 );
-	text += fmt::format( "  proofs {} after {:.1f} s: {} of {} pairs that may not touch are proved to stay apart, {} can touch, {} cannot be proved, "
-	                     "{} are open\n",
-	    reach.info.complete ? "complete" : "not complete", reach.info.seconds, reach.info.proved, reach.info.pairs, reach.info.contact,
-	    reach.info.unprovable, reach.info.open );
+	text += fmt::format(
+	    "  proofs {} after {:.1f} s: {} of {} pairs that may not touch are proved to stay apart, {} can touch, {} cannot be proved, "
+	    "{} are open\n",
+	    reach.info.complete ? "complete" : "not complete", reach.info.seconds, reach.info.proved, reach.info.pairs,
+	    reach.info.contact, reach.info.unprovable, reach.info.open );
 	text += classTable( table );
 	if ( !input.robot.srdf_file.empty() )
 	{

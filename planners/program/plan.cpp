@@ -34,7 +34,7 @@ namespace og = ::ompl::geometric;
 // Simplification ends when a round gains less than this share of the length, or after this many rounds.
 constexpr double simplify_gain = 0.02;
 constexpr int simplify_rounds = 10;
-constexpr unsigned smooth_tries = 4; // of leeway's own smoother
+constexpr unsigned smooth_tries = 4;           // of leeway's own smoother
 constexpr unsigned int simplify_attempts = 30; // shortcuts tried per round
 
 // OMPL's own messages: silent, or notices with --verbose.
@@ -63,8 +63,7 @@ private:
 };
 
 // An end of the request must be inside the limits and free, else no planner can help.
-void requireUsable(
-    const PlanOptions& options, const Workbench& bench, const EndPlace& end, const std::vector<double>& q )
+void requireUsable( const PlanOptions& options, const Workbench& bench, const EndPlace& end, const std::vector<double>& q )
 {
 	const auto wrong = [&end]( const std::string& problem, const std::string& remedy )
 	{ throw io::Error( end.file, end.element, problem, remedy ); };
@@ -88,9 +87,9 @@ void requireUsable(
 		if ( !( clearance.lower > min_d ) )
 		{
 			wrong( clearance.least() > 0 || clearance.margin > 0
-			        ? fmt::format( "{} clearance of {} - {} is {} m, not above --min-d {} m{}", which, clearance.first,
-			              clearance.second, clearance.least(), min_d, clearance.marginText() )
-			        : fmt::format( "{} - {} are in contact ({})", clearance.first, clearance.second, which ),
+			           ? fmt::format( "{} clearance of {} - {} is {} m, not above --min-d {} m{}", which, clearance.first,
+			                 clearance.second, clearance.least(), min_d, clearance.marginText() )
+			           : fmt::format( "{} - {} are in contact ({})", clearance.first, clearance.second, which ),
 			    remedy );
 		}
 	};
@@ -393,7 +392,8 @@ public:
 	}
 
 private:
-	void run( const planners::PlannerEntry& entry, double time, const ob::ProblemDefinitionPtr& definition, Solution& solution )
+	void run(
+	    const planners::PlannerEntry& entry, double time, const ob::ProblemDefinitionPtr& definition, Solution& solution )
 	{
 		solution.planner = entry.name;
 		definition->clearSolutionPaths(); // an approximate one of the planner before
@@ -476,7 +476,8 @@ private:
 			unsigned tries = 0;
 			do
 			{
-				shorter = unwrapped( smoothed( m_bench, solution.points, def, solution.path_seed + ( std::uint64_t( tries ) << 32 ) ) );
+				shorter = unwrapped(
+				    smoothed( m_bench, solution.points, def, solution.path_seed + ( std::uint64_t( tries ) << 32 ) ) );
 			} while ( was_certified && !certify( m_bench, shorter, def ).all() && ++tries < smooth_tries );
 			shorter = tries < smooth_tries ? shorter : solution.points;
 		}
@@ -562,7 +563,7 @@ private:
 	ob::SpaceInformationPtr m_si;
 	std::shared_ptr<const ::leeway::ompl::Engine> m_engine;
 	std::shared_ptr<planners::OmplPlanner> m_native; // if it was tried
-	double m_range = 0; // suits the robot; 0: spaces with rotations
+	double m_range = 0;                              // suits the robot; 0: spaces with rotations
 };
 
 double timeLimit( const PlanOptions& options, const io::Request& request )
@@ -596,7 +597,8 @@ void noteEnd( const EndPlace& end, const std::vector<std::string>& violations, N
 	}
 }
 
-Solution solve( const PlanOptions& options, const Input& input, const Workbench& bench, const PlanEnds& ends, Notices& notices )
+Solution solve(
+    const PlanOptions& options, const Input& input, const Workbench& bench, const PlanEnds& ends, Notices& notices )
 {
 	const io::Request& request = *input.request;
 	const std::vector<double> start = io::startState( bench.problem() );
@@ -626,12 +628,13 @@ Solution solve( const PlanOptions& options, const Input& input, const Workbench&
 	}
 	catch ( const ::ompl::Exception& error )
 	{
-		throw io::Error( "command line", "--planner " + ( options.planner.empty() ? "(default)" : options.planner ), error.what(),
-		    "choose another planner" );
+		throw io::Error( "command line", "--planner " + ( options.planner.empty() ? "(default)" : options.planner ),
+		    error.what(), "choose another planner" );
 	}
 	catch ( const std::invalid_argument& error )
 	{
-		throw io::Error( options.common.robot, "group " + bench.problem().group, error.what(), "correct the joint's limits" );
+		throw io::Error(
+		    options.common.robot, "group " + bench.problem().group, error.what(), "correct the joint's limits" );
 	}
 }
 

@@ -85,7 +85,8 @@ std::vector<std::pair<std::string, std::string>> allowedPairs( const std::vector
 		}
 		if ( links.count( first ) + links.count( second ) == 0 )
 		{
-			throw io::Error( "command line", "--allow " + text, "both are objects of the scene, which are never checked against each other",
+			throw io::Error( "command line", "--allow " + text,
+			    "both are objects of the scene, which are never checked against each other",
 			    "name a link and an object, or two links" );
 		}
 		pairs.emplace_back( first, second );
@@ -158,7 +159,8 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 	}
 	else if ( !options.no_default_cache.empty() && notices.verbose() )
 	{
-		notices.add( "the cache", { { "", "no cache", options.no_default_cache + ": trees, motion hulls and proofs are not kept" } } );
+		notices.add( "the cache",
+		    { { "", "no cache", options.no_default_cache + ": trees, motion hulls and proofs are not kept" } } );
 	}
 	input.min_d = options.min_d;
 	input.margins = options.margins.empty() ? io::Margins() : io::loadMargins( options.margins );
@@ -229,10 +231,12 @@ bool ReachProgress::report( void* self, const char* stage, double share )
 	const bool hulls = std::string( stage ) == "hulls";
 	if ( !progress.m_told && ( progress.m_budget > moment || ( hulls && now() - progress.m_begin > moment / 3 ) ) )
 	{
-		const std::string proofs = progress.m_hulls_only       ? ""
-		                           : progress.m_budget > 0     ? fmt::format( "up to {} s for proofs of its pairs of links", progress.m_budget )
-		                                                       : "proofs of its pairs of links by hulls";
-		tell( "leeway: {}{}\n", hulls ? "building motion hulls of the robot" + std::string( proofs.empty() ? "" : "; then " ) : "", proofs );
+		const std::string proofs = progress.m_hulls_only ? ""
+		                           : progress.m_budget > 0
+		                               ? fmt::format( "up to {} s for proofs of its pairs of links", progress.m_budget )
+		                               : "proofs of its pairs of links by hulls";
+		tell( "leeway: {}{}\n",
+		    hulls ? "building motion hulls of the robot" + std::string( proofs.empty() ? "" : "; then " ) : "", proofs );
 		progress.m_told = true;
 	}
 	progress.m_progress.stage( stage, share );
@@ -249,8 +253,9 @@ void noteState( const Input& input, const io::Problem& problem, Notices& notices
 		if ( at != LW_INVALID_INDEX && !in_group && problem.reference[at] != value )
 		{
 			notices.add( "joints of the scene",
-			    fmt::format( "{}: robot_state.joint_state: joint {} is at {} there; here it stands at {}, and the scene is not asked", input.scene->file,
-			        name, value, problem.reference[at] ) );
+			    fmt::format(
+			        "{}: robot_state.joint_state: joint {} is at {} there; here it stands at {}, and the scene is not asked",
+			        input.scene->file, name, value, problem.reference[at] ) );
 		}
 	}
 }
@@ -365,7 +370,8 @@ lw_state_result measure( const Workbench& bench, const std::vector<double>& q, l
 	return motions::measure( bench.checker(), bench.query(), q, flags, range, file, element );
 }
 
-Audit audited( const Workbench& bench, const std::vector<std::vector<double>>& points, AuditSettings settings, const std::string& file )
+Audit audited(
+    const Workbench& bench, const std::vector<std::vector<double>>& points, AuditSettings settings, const std::string& file )
 {
 	Progress progress( "auditing the path" );
 	settings.progress = shownBy( progress );
@@ -384,8 +390,8 @@ std::vector<Tolerance> givenTolerances( const std::vector<std::string>& options 
 			throw io::Error( "command line", "--tolerance " + text, "is no number of 0 or more",
 			    "give radians or metres for all joints, or JOINT=VALUE" );
 		}
-		tolerances.push_back(
-		    { at == std::string::npos ? "" : trimmed( text.substr( 0, at ) ), *value, "command line", "--tolerance " + text } );
+		tolerances.push_back( { at == std::string::npos ? "" : trimmed( text.substr( 0, at ) ), *value, "command line",
+		    "--tolerance " + text } );
 	}
 	return tolerances;
 }

@@ -91,7 +91,10 @@ public:
 	bool use( const std::vector<double>& full );
 
 	/// The group's part of a full state.
-	std::vector<double> groupState( const std::vector<double>& full ) const { return motions::groupState( m_problem, full ); }
+	std::vector<double> groupState( const std::vector<double>& full ) const
+	{
+		return motions::groupState( m_problem, full );
+	}
 	/// The full state of a group state.
 	std::vector<double> fullState( const std::vector<double>& q ) const { return motions::fullState( m_problem, q ); }
 	/// Name of every robot variable.
@@ -122,7 +125,8 @@ lw_state_result measure( const Workbench& bench, const std::vector<double>& q, l
     const std::string& file, const std::string& element );
 
 /// auditPath() with its progress shown.
-Audit audited( const Workbench& bench, const std::vector<std::vector<double>>& points, AuditSettings settings, const std::string& file );
+Audit audited( const Workbench& bench, const std::vector<std::vector<double>>& points, AuditSettings settings,
+    const std::string& file );
 
 /// Options --tolerance: E for all joints, or JOINT=E. @throws io::Error
 std::vector<Tolerance> givenTolerances( const std::vector<std::string>& options );

@@ -25,7 +25,8 @@ public:
 	explicit OutputFolder( const std::string& folder )
 	{
 		std::error_code error;
-		for ( fs::path path = fs::absolute( folder, error ); !path.empty() && !fs::exists( path, error ); path = path.parent_path() )
+		for ( fs::path path = fs::absolute( folder, error ); !path.empty() && !fs::exists( path, error );
+		      path = path.parent_path() )
 		{
 			if ( path.has_filename() ) // not of "a/b/", where a/b comes next
 			{
@@ -36,7 +37,8 @@ public:
 		if ( error || !fs::is_directory( folder ) )
 		{
 			remove();
-			throw io::Error( folder, "--out", error ? error.message() : "is not a folder", "name a folder that can be written" );
+			throw io::Error(
+			    folder, "--out", error ? error.message() : "is not a folder", "name a folder that can be written" );
 		}
 	}
 	~OutputFolder() { remove(); }
@@ -65,13 +67,11 @@ std::string linkTable( const std::vector<io::LinkSpheres>& links )
 		width = std::max( width, link.link.size() );
 	}
 	std::string text = fmt::format( "  {:<{}} {:>8} {:>12} {:>12} {:>7} {:>6} {:>9}\n", "link", width, "spheres",
-	    "excess mm",
-	    "attained mm", "closed", "open", "ms" );
+	    "excess mm", "attained mm", "closed", "open", "ms" );
 	for ( const io::LinkSpheres& link : links )
 	{
 		fmt::format_to( std::back_inserter( text ), "  {:<{}} {:>8} {:>12.3f} {:>12.3f} {:>7} {:>6} {:>9.1f}\n", link.link,
-		    width,
-		    link.count(), 1000 * link.report.excess, 1000 * link.report.excess_attained, link.report.shells,
+		    width, link.count(), 1000 * link.report.excess, 1000 * link.report.excess_attained, link.report.shells,
 		    link.report.open_shells, link.milliseconds );
 	}
 	return text;
@@ -100,15 +100,18 @@ void tellUnfinished( const std::vector<io::LinkSpheres>& links, const SpherizeOp
 		if ( !link.met_target && options.excess > 0 )
 		{
 			notices.add( "spheres that are too large",
-			    fmt::format( "{}: link {}: its {} spheres enclose it but reach {:.3f} mm beyond it instead of {:g}: the search "
-			                 "ended before better ones were found; give more --time than {:g} s, or a larger --excess",
-			        options.common.robot, link.link, link.count(), 1000 * link.report.excess, options.excess, options.time ) );
+			    fmt::format(
+			        "{}: link {}: its {} spheres enclose it but reach {:.3f} mm beyond it instead of {:g}: the search "
+			        "ended before better ones were found; give more --time than {:g} s, or a larger --excess",
+			        options.common.robot, link.link, link.count(), 1000 * link.report.excess, options.excess,
+			        options.time ) );
 		}
 	}
 	if ( options.excess == 0 && !links.empty() && !links.front().met_target )
 	{
 		notices.add( "spheres that are too large",
-		    fmt::format( "{}: --spheres: the search for a smaller excess ended after --time {:g} s; give more, or fewer spheres",
+		    fmt::format(
+		        "{}: --spheres: the search for a smaller excess ended after --time {:g} s; give more, or fewer spheres",
 		        options.common.robot, options.time ) );
 	}
 }
@@ -119,9 +122,9 @@ Json toJson( const std::vector<io::LinkSpheres>& links, const io::RobotModel& ro
 	for ( const io::LinkSpheres& link : links )
 	{
 		json["links"].push_back( { { "link", link.link }, { "spheres", link.count() }, { "excess", link.report.excess },
-		    { "excess_attained", link.report.excess_attained }, { "met_target", link.met_target }, { "encloses", link.report.encloses },
-		    { "shells", link.report.shells }, { "open_shells", link.report.open_shells }, { "holes_closed",
-		        link.report.holes },
+		    { "excess_attained", link.report.excess_attained }, { "met_target", link.met_target },
+		    { "encloses", link.report.encloses }, { "shells", link.report.shells },
+		    { "open_shells", link.report.open_shells }, { "holes_closed", link.report.holes },
 		    { "widest_hole_closed", link.report.widest_hole }, { "widest_open_hole", link.report.widest_open_hole },
 		    { "milliseconds", link.milliseconds } } );
 	}
@@ -139,7 +142,8 @@ int runSpherize( const SpherizeOptions& options )
 	common.strict = common.strict || common.srdf.empty(); // the table is about all pairs
 	const Input input = loadInput( common, notices );
 	const std::string stem = ( fs::path( options.out ) / fs::path( options.common.robot ).stem() ).string() + "_spheres";
-	OutputFile urdf( "--out", stem + ".urdf" ), srdf( "--out", stem + ".srdf" ), yaml( "--out", stem + ".yml" ), report( "--out", stem + ".json" );
+	OutputFile urdf( "--out", stem + ".urdf" ), srdf( "--out", stem + ".srdf" ), yaml( "--out", stem + ".yml" ),
+	    report( "--out", stem + ".json" );
 	io::SpherizeOptions how;
 	how.excess = options.excess / 1000;
 	how.sphere_count = options.spheres;
@@ -184,7 +188,9 @@ int runSpherize( const SpherizeOptions& options )
 	{
 		const Workbench bench( input, "", {}, notices );
 		PageInput page = pageOf( input, bench.problem(),
-		    motionOfStates( bench.problem(), { io::startState( bench.problem() ) }, {}, LW_CHECK_BOTH, options.common.robot ), LW_CHECK_BOTH );
+		    motionOfStates(
+		        bench.problem(), { io::startState( bench.problem() ) }, {}, LW_CHECK_BOTH, options.common.robot ),
+		    LW_CHECK_BOTH );
 		page.spheres = links;
 		page.notes = notices.all();
 		view.write( page, files );

@@ -38,15 +38,16 @@ StateColumns::StateColumns(
 		}
 		if ( why.joint )
 		{
-			notices.add( "unused columns", fmt::format( "{}: column {}: {}; it is ignored", table.file, title, why.problem ) );
+			notices.add(
+			    "unused columns", fmt::format( "{}: column {}: {}; it is ignored", table.file, title, why.problem ) );
 			continue;
 		}
 		unknown.push_back( title );
 	}
 	if ( !unknown.empty() )
 	{
-		notices.add( "unused columns",
-		    fmt::format( "{}: columns that do not name a joint of the robot are ignored: {}", table.file, listed( unknown, SIZE_MAX ) ) );
+		notices.add( "unused columns", fmt::format( "{}: columns that do not name a joint of the robot are ignored: {}",
+		                                   table.file, listed( unknown, SIZE_MAX ) ) );
 	}
 	noteMissing( prefix, bench, notices );
 }
@@ -68,8 +69,8 @@ void StateColumns::noteMissing( const std::string& prefix, const Workbench& benc
 	}
 	if ( !missing.empty() )
 	{
-		notices.add( "joints without a column", fmt::format( "{}: joints without a column keep their start value: {}", m_table.file,
-		    listed( missing, notices.verbose() ? SIZE_MAX : 12 ) ) );
+		notices.add( "joints without a column", fmt::format( "{}: joints without a column keep their start value: {}",
+		                                            m_table.file, listed( missing, notices.verbose() ? SIZE_MAX : 12 ) ) );
 	}
 }
 

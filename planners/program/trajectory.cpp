@@ -83,8 +83,8 @@ class Driver
 {
 public:
 	Driver( const AuditOptions& options, const Input& input, Stage& stage, Notices& notices, TrajectorySettings settings )
-	    : m_options( options ), m_input( input ), m_stage( stage ), m_notices( notices ), m_settings( std::move( settings ) ),
-	      m_drive( input.request ? input.request->start.values : Values() )
+	    : m_options( options ), m_input( input ), m_stage( stage ), m_notices( notices ),
+	      m_settings( std::move( settings ) ), m_drive( input.request ? input.request->start.values : Values() )
 	{
 	}
 
@@ -158,7 +158,8 @@ private:
 	std::set<std::string> m_shown; ///< groups whose notices were given
 };
 
-Json reportOf( const AuditOptions& options, const Input& input, const std::string& group, const Driver& driver, const Notices& notices )
+Json reportOf(
+    const AuditOptions& options, const Input& input, const std::string& group, const Driver& driver, const Notices& notices )
 {
 	Json json;
 	json[options.steps.empty() ? "trajectory" : "steps_file"] = options.steps.empty() ? options.trajectory : options.steps;

@@ -22,10 +22,11 @@ tune::Settings settingsOf( const TuneOptions& options )
 	settings.motions = options.edges;
 	settings.seed = options.seed;
 	settings.rate = options.rate;
-	settings.target = options.time_given           ? tune::Target{ tune::Target::TIME, options.time_per_state }
-	                  : options.error_given        ? tune::Target{ tune::Target::ERROR, 1e-3 * options.error }
-	                  : options.conservatism_given ? tune::Target{ tune::Target::CONSERVATISM, 1e-3 * options.edge_conservatism }
-	                                               : tune::Target{};
+	settings.target = options.time_given    ? tune::Target{ tune::Target::TIME, options.time_per_state }
+	                  : options.error_given ? tune::Target{ tune::Target::ERROR, 1e-3 * options.error }
+	                  : options.conservatism_given
+	                      ? tune::Target{ tune::Target::CONSERVATISM, 1e-3 * options.edge_conservatism }
+	                      : tune::Target{};
 	return settings;
 }
 
@@ -73,8 +74,8 @@ int runTune( const TuneOptions& options )
 		const std::size_t shown = std::min( samples.states.size(), most_states );
 		const std::vector<std::vector<double>> states(
 		    samples.states.begin(), samples.states.begin() + static_cast<std::ptrdiff_t>( shown ) );
-		PageInput page = pageOf(
-		    input, bench.problem(), motionOfStates( bench.problem(), states, {}, settings.flags, input.robot_file ), settings.flags );
+		PageInput page = pageOf( input, bench.problem(),
+		    motionOfStates( bench.problem(), states, {}, settings.flags, input.robot_file ), settings.flags );
 		page.min_d = settings.min_d;
 		page.notes = { fmt::format( "the first {} of {} random states of leeway tune, seed {}", shown, samples.states.size(),
 		                   settings.seed ),

@@ -316,7 +316,8 @@ void plan( const lw_plan_def& def, const Clock& clock, lw_plan_result& out )
 	}
 	if ( outcome == Outcome::FAILED )
 	{
-		copyText( "a path was found, but its edges are not proved with the numbers of the start: its clearance is within the slack; try another seed",
+		copyText(
+		    "a path was found, but its edges are not proved with the numbers of the start: its clearance is within the slack; try another seed",
 		    out.message, sizeof out.message );
 	}
 	else if ( outcome != Outcome::SOLVED )

@@ -131,8 +131,8 @@ namespace
 {
 
 const char* const side_names[] = { "start", "goal" };
-constexpr double stuck_share = 0.25; // of the other tree's share of tries that grew, or of its extent
-constexpr double main_share = 0.5;   // of all motions that were not free: a pair worth a look of its own
+constexpr double stuck_share = 0.25;         // of the other tree's share of tries that grew, or of its extent
+constexpr double main_share = 0.5;           // of all motions that were not free: a pair worth a look of its own
 constexpr std::uint64_t least_evidence = 10; // such motions, before a remedy names a pair
 constexpr std::size_t shown_pairs = 4, shown_joints = 4;
 

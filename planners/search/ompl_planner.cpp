@@ -408,12 +408,16 @@ ob::PlannerStatus OmplPlanner::solve( const ob::PlannerTerminationCondition& end
 	case Outcome::SOLVED:
 		addShortestPath( lease, goals );
 		return ob::PlannerStatus::EXACT_SOLUTION;
-	case Outcome::NO_START: return ob::PlannerStatus::INVALID_START;
-	case Outcome::NO_GOAL: return ob::PlannerStatus::INVALID_GOAL;
-	case Outcome::FAILED: return ob::PlannerStatus::CRASH;
+	case Outcome::NO_START:
+		return ob::PlannerStatus::INVALID_START;
+	case Outcome::NO_GOAL:
+		return ob::PlannerStatus::INVALID_GOAL;
+	case Outcome::FAILED:
+		return ob::PlannerStatus::CRASH;
 	case Outcome::TIMED_OUT:
 	case Outcome::CANCELLED:
-	case Outcome::NODES_FULL: break;
+	case Outcome::NODES_FULL:
+		break;
 	}
 	double distance = 0;
 	const Path path = m_planner->approximatePath( &distance );

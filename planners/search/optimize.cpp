@@ -31,9 +31,9 @@ public:
 	    OptimizeReport& report )
 	    : m_checker( checker ), m_query( query ), m_settings( settings ), m_stop( stop ), m_report( report ),
 	      m_space( checker, settings.search.lower, settings.search.upper ),
-	      m_validator( checker, query, settings.search.edge, report.work ), m_deadline( stop ), m_random( settings.search.seed ),
-	      m_path( path ), m_trees{ CostTree( m_space ), CostTree( m_space ) }, m_sample( m_space.size() ),
-	      m_next( m_space.size() ), m_begin( std::chrono::steady_clock::now() )
+	      m_validator( checker, query, settings.search.edge, report.work ), m_deadline( stop ),
+	      m_random( settings.search.seed ), m_path( path ), m_trees{ CostTree( m_space ), CostTree( m_space ) },
+	      m_sample( m_space.size() ), m_next( m_space.size() ), m_begin( std::chrono::steady_clock::now() )
 	{
 		m_range =
 		    settings.search.range > 0 ? settings.search.range : geometricRange( checker, m_space.lower(), m_space.upper() );

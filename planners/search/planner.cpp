@@ -37,9 +37,9 @@ namespace
 
 constexpr unsigned quarters = 4; // states checked per step towards the other tree
 constexpr unsigned steps_ahead = lanes / quarters;
-constexpr std::uint64_t early_samples = 64;          // half of these lie anywhere: they solve easy problems
-constexpr unsigned waiting_edges = 4;                // not proved yet, in a row, before a node from which a tree grows
-constexpr std::uint64_t least_free_per_failure = 4;  // late proofs: with fewer, edges are proved at once
+constexpr std::uint64_t early_samples = 64;         // half of these lie anywhere: they solve easy problems
+constexpr unsigned waiting_edges = 4;               // not proved yet, in a row, before a node from which a tree grows
+constexpr std::uint64_t least_free_per_failure = 4; // late proofs: with fewer, edges are proved at once
 
 /// Rough quantile of a bell curve with variance near 1 (Tukey's lambda, 0.14): directions of samples need no more.
 double tukeyQuantile( double u )
@@ -95,9 +95,9 @@ double largestRadius( const Space& space )
 	return 0.75 * std::sqrt( square );
 }
 
-constexpr std::uint64_t Statistics::* counts[] = { &Statistics::samples, &Statistics::states, &Statistics::states_free,
-	&Statistics::lane_states, &Statistics::edges, &Statistics::free, &Statistics::blocked, &Statistics::undecided,
-	&Statistics::edge_queries, &Statistics::start_nodes, &Statistics::goal_nodes, &Statistics::passed_over };
+constexpr std::uint64_t Statistics::*counts[] = { &Statistics::samples, &Statistics::states, &Statistics::states_free,
+    &Statistics::lane_states, &Statistics::edges, &Statistics::free, &Statistics::blocked, &Statistics::undecided,
+    &Statistics::edge_queries, &Statistics::start_nodes, &Statistics::goal_nodes, &Statistics::passed_over };
 static_assert( sizeof( Statistics ) == std::size( counts ) * sizeof( std::uint64_t ), "a count is not in the list" );
 
 } // namespace
@@ -125,13 +125,20 @@ const char* name( Outcome outcome )
 {
 	switch ( outcome )
 	{
-	case Outcome::SOLVED: return "solved";
-	case Outcome::TIMED_OUT: return "timed out";
-	case Outcome::CANCELLED: return "cancelled";
-	case Outcome::NODES_FULL: return "most_nodes reached";
-	case Outcome::NO_START: return "no usable start";
-	case Outcome::NO_GOAL: return "no usable goal";
-	case Outcome::FAILED: return "check failed";
+	case Outcome::SOLVED:
+		return "solved";
+	case Outcome::TIMED_OUT:
+		return "timed out";
+	case Outcome::CANCELLED:
+		return "cancelled";
+	case Outcome::NODES_FULL:
+		return "most_nodes reached";
+	case Outcome::NO_START:
+		return "no usable start";
+	case Outcome::NO_GOAL:
+		return "no usable goal";
+	case Outcome::FAILED:
+		return "check failed";
 	}
 	return "?";
 }
@@ -177,7 +184,7 @@ struct Planner::Parts
 	double range, sample_radius; ///< in the metric of the space
 	Random random;
 	Halton halton;
-	Tree trees[2]; ///< from starts, from goals
+	Tree trees[2];               ///< from starts, from goals
 	std::vector<double> ends[2]; ///< not yet checked
 	std::vector<std::uint32_t> roots[2];
 	std::vector<double> refused[2]; ///< ends that are not free
@@ -185,10 +192,10 @@ struct Planner::Parts
 	double gap = HUGE_VAL; ///< least distance of a node to the other tree
 	Blame blame;
 	std::vector<double> sample, next, unit;
-	std::vector<double> ends_ahead; ///< [lanes][variables] of the next edges from `nears`
+	std::vector<double> ends_ahead;  ///< [lanes][variables] of the next edges from `nears`
 	std::uint32_t nears[lanes] = {}; ///< nodes from which these come
-	std::vector<double> ahead;      ///< [lanes][variables] the way from `from`, by quarters of steps
-	Seen seen[lanes] = {};          ///< of these
+	std::vector<double> ahead;       ///< [lanes][variables] the way from `from`, by quarters of steps
+	Seen seen[lanes] = {};           ///< of these
 	std::vector<double> from;
 	std::uint64_t cuts = 0; ///< times that nodes went and others got new numbers
 	std::vector<std::uint32_t> branch;
@@ -283,7 +290,8 @@ bool Planner::Parts::addEnds( Validator& validator, Deadline& deadline )
 }
 
 /// Straight edges between roots of which at least one is new.
-bool Planner::Parts::joinStraight( Validator& validator, Deadline& deadline, std::size_t first_start, std::size_t first_goal )
+bool Planner::Parts::joinStraight(
+    Validator& validator, Deadline& deadline, std::size_t first_start, std::size_t first_goal )
 {
 	for ( std::size_t s = 0; s < roots[0].size(); ++s )
 	{

@@ -205,7 +205,8 @@ void setParameters( ob::Planner& planner, const std::vector<std::string>& assign
 		for ( const auto& [name, parameter] : parameters.getParams() )
 		{
 			const std::string range = parameter->getRangeSuggestion();
-			all += ( all.empty() ? "" : ", " ) + name + "=" + parameter->getValue() + ( range.empty() ? "" : " in " + range );
+			all +=
+			    ( all.empty() ? "" : ", " ) + name + "=" + parameter->getValue() + ( range.empty() ? "" : " in " + range );
 		}
 		throw io::Error( "command line", "--planner-param", problem,
 		    all.empty() ? planner.getName() + " has no parameters: leave it out"

@@ -32,8 +32,9 @@ class Smoother
 public:
 	Smoother( const lw_checker* checker, lw_query* query, const SmoothSettings& settings, const Stop& stop, Path& path,
 	    Statistics& statistics )
-	    : m_settings( settings ), m_space( Space::ofLimits( checker ) ), m_validator( checker, query, settings.edge, statistics ),
-	      m_deadline( stop ), m_random( settings.seed ), m_path( path )
+	    : m_settings( settings ), m_space( Space::ofLimits( checker ) ),
+	      m_validator( checker, query, settings.edge, statistics ), m_deadline( stop ), m_random( settings.seed ),
+	      m_path( path )
 	{
 	}
 
@@ -145,7 +146,8 @@ private:
 		append( to, m_new );
 		const double *p = m_new.data(), *q = p + m_path.dimension;
 		const std::size_t after = to.edge + ( to.t > 0 ? 1 : 0 ); // the first state that stays
-		if ( !isFree( p, q ) || ( from.t > 0 && !isFree( m_path[from.edge], p ) ) || ( to.t > 0 && !isFree( q, m_path[after] ) ) )
+		if ( !isFree( p, q ) || ( from.t > 0 && !isFree( m_path[from.edge], p ) ) ||
+		     ( to.t > 0 && !isFree( q, m_path[after] ) ) )
 		{
 			return false;
 		}

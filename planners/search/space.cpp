@@ -16,10 +16,10 @@ namespace
 
 // Radians or metres: descriptions print 3.14159 for pi; ends beyond a bound by less are used unchanged
 constexpr double bound_tolerance = 1e-5;
-constexpr double unlimited = 1e300;         // metres, in place of infinite limits
-constexpr unsigned range_states = 16;       // random states at which speeds are measured
-constexpr double speed_step = 1e-4;         // radians or metres, for differences of poses
-constexpr double range_share = 0.5;         // of the reach that an edge in a random direction moves the fastest point
+constexpr double unlimited = 1e300;   // metres, in place of infinite limits
+constexpr unsigned range_states = 16; // random states at which speeds are measured
+constexpr double speed_step = 1e-4;   // radians or metres, for differences of poses
+constexpr double range_share = 0.5;   // of the reach that an edge in a random direction moves the fastest point
 
 [[noreturn]] void refuse( const lw_checker* checker, std::size_t variable, const std::string& problem )
 {
@@ -45,11 +45,13 @@ Space::Space( const lw_checker* checker, const std::vector<double>& lower, const
 	}
 	if ( ( !lower.empty() && lower.size() != size ) || ( !upper.empty() && upper.size() != size ) )
 	{
-		throw InputError( "leeway::planners: Settings: lower and upper need " + std::to_string( size ) + " entries, or none" );
+		throw InputError(
+		    "leeway::planners: Settings: lower and upper need " + std::to_string( size ) + " entries, or none" );
 	}
 	for ( std::size_t i = 0; i < size; ++i )
 	{
-		const lw_variable_info info = lw_robot_variable( robot, lw_checker_variable( checker, static_cast<std::uint32_t>( i ) ) );
+		const lw_variable_info info =
+		    lw_robot_variable( robot, lw_checker_variable( checker, static_cast<std::uint32_t>( i ) ) );
 		if ( lw_robot_joint_type( robot, info.joint ) == LW_JOINT_FLOATING )
 		{
 			refuse( checker, i, "floating joints are not supported; plan with one of OMPL's planners" );
@@ -199,8 +201,8 @@ private:
 				const double d = b.r[k / 3][k % 3] - a.r[k / 3][k % 3];
 				turn += d * d / 2;
 			}
-			most = std::max( most, std::hypot( to[0] - from[0], to[1] - from[1], to[2] - from[2] ) +
-			                           std::sqrt( turn ) * shape.sphere_radius );
+			most = std::max( most,
+			    std::hypot( to[0] - from[0], to[1] - from[1], to[2] - from[2] ) + std::sqrt( turn ) * shape.sphere_radius );
 		}
 		return most;
 	}

@@ -8,7 +8,7 @@
 #include <limits>
 
 // The same instructions at three widths; -ffp-contract=off gives all of them the same results.
-#if defined( __x86_64__ ) && defined( __GNUC__ ) && !defined( __clang__ ) && !defined( __SANITIZE_THREAD__ ) && \
+#if defined( __x86_64__ ) && defined( __GNUC__ ) && !defined( __clang__ ) && !defined( __SANITIZE_THREAD__ ) &&             \
     !defined( __SANITIZE_ADDRESS__ ) && defined( __gnu_linux__ )
 #define LEEWAY_WIDEST __attribute__( ( target_clones( "default", "avx2", "avx512f" ) ) )
 #else

@@ -70,8 +70,7 @@ std::string stateFront( const std::vector<Row>& rows, double rate, const Proposa
 	return text;
 }
 
-std::string motionFront(
-    const std::vector<Row>& rows, double rate, const Proposal& proposal, const Samples& samples )
+std::string motionFront( const std::vector<Row>& rows, double rate, const Proposal& proposal, const Samples& samples )
 {
 	std::string text = fmt::format(
 	    "\nmotions: metres, conservatism in mm, time in us a motion; {} of {} are free\n"
@@ -160,10 +159,11 @@ std::string rowsCsv( const Tuning& tuning )
 	{
 		const bool certified = row.motion && row.method == LW_EDGE_CERTIFIED;
 		fmt::format_to( std::back_inserter( text ), "{},{},{},{},{},{},{:d},{},{},{},{},{},{},{},{:.3f},{:d},{:d}\n",
-		    row.motion ? "motion" : "state", shortest( row.min_d ), certified ? "" : shortest( row.max_d ), shortest( row.alpha ),
-		    row.motion ? validatorName( row ) : "", certified ? shortest( row.slack ) : "", row.proof, shortest( row.promised ),
-		    shortest( row.worst ), shortest( row.mean ), row.free, row.missed, shortest( row.work ), shortest( rate * row.work ),
-		    row.measured, row.front, &row == proposal.states || &row == proposal.motions );
+		    row.motion ? "motion" : "state", shortest( row.min_d ), certified ? "" : shortest( row.max_d ),
+		    shortest( row.alpha ), row.motion ? validatorName( row ) : "", certified ? shortest( row.slack ) : "", row.proof,
+		    shortest( row.promised ), shortest( row.worst ), shortest( row.mean ), row.free, row.missed,
+		    shortest( row.work ), shortest( rate * row.work ), row.measured, row.front,
+		    &row == proposal.states || &row == proposal.motions );
 	}
 	return text;
 }

@@ -47,8 +47,7 @@ bool isPossible( const Row& row, const Samples& samples )
 template <typename Passes>
 const Row* best( const std::vector<Row>& rows, const Samples& samples, Wish wish, const Passes& passes )
 {
-	const auto key = [wish]( const Row& row )
-	{ return std::make_pair( wish == Wish::FINE ? row.promised : 0, row.work ); };
+	const auto key = [wish]( const Row& row ) { return std::make_pair( wish == Wish::FINE ? row.promised : 0, row.work ); };
 	const auto given = []( const Row& row ) { return std::make_tuple( row.min_d, row.promised, row.work ); };
 	const Row* first = nullptr;
 	for ( const Row& row : rows )
@@ -98,9 +97,8 @@ Proposal propose( const std::vector<Row>& rows, const Samples& samples, const Ta
 	const auto meets = [&]( const Row& row )
 	{ return row.motion == motion && ( by_time ? row.work * rate : row.promised ) <= target.value; };
 	Proposal proposal;
-	const Row* first = target.kind == Target::NONE
-	                           ? usual( rows, samples, false, rows.front().min_d )
-	                           : best( rows, samples, by_time ? Wish::FINE : Wish::CHEAP, meets );
+	const Row* first = target.kind == Target::NONE ? usual( rows, samples, false, rows.front().min_d )
+	                                               : best( rows, samples, by_time ? Wish::FINE : Wish::CHEAP, meets );
 	proposal.met = first != nullptr;
 	if ( first == nullptr ) // the nearest to the target
 	{

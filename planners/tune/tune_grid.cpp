@@ -145,8 +145,7 @@ class Meter
 {
 public:
 	Meter( const io::Problem& problem, const Settings& settings, const Samples& samples )
-	    : m_problem( problem ), m_settings( settings ), m_samples( samples ),
-	      m_query( makeQuery( problem.checker.get() ) )
+	    : m_problem( problem ), m_settings( settings ), m_samples( samples ), m_query( makeQuery( problem.checker.get() ) )
 	{
 	}
 
@@ -271,8 +270,8 @@ double measuredRate( const io::Problem& problem, const Settings& settings, const
 			const double start = threadMicroseconds();
 			const lw_status status =
 			    i < samples.states.size()
-			        ? lw_checker_state(
-			              problem.checker.get(), query.get(), samples.states[i].data(), settings.flags, nullptr, false, &state )
+			        ? lw_checker_state( problem.checker.get(), query.get(), samples.states[i].data(), settings.flags,
+			              nullptr, false, &state )
 			        : lw_checker_edge( problem.checker.get(), query.get(), samples.motions[motion].from.data(),
 			              samples.motions[motion].to.data(), &def, &edge );
 			least[i] = std::min( least[i], threadMicroseconds() - start );

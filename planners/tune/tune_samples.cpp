@@ -23,8 +23,8 @@ class Sampler
 {
 public:
 	Sampler( const io::Problem& problem, lw_query* query, const Settings& settings, std::string robot_file )
-	    : m_problem( problem ), m_query( query ), m_settings( settings ), m_robot_file( std::move( robot_file ) ), m_random( settings.seed ),
-	      m_reference( motions::groupState( problem, problem.reference ) )
+	    : m_problem( problem ), m_query( query ), m_settings( settings ), m_robot_file( std::move( robot_file ) ),
+	      m_random( settings.seed ), m_reference( motions::groupState( problem, problem.reference ) )
 	{
 		double squared = 0;
 		for ( std::size_t i = 0; i < m_reference.size(); ++i )
@@ -42,7 +42,8 @@ public:
 		for ( std::size_t i = 0; i < m_settings.motions; ++i )
 		{
 			samples.motions.push_back( motion() );
-			motions::report( m_settings.progress, "drawing states and motions", double( i + 1 ) / double( m_settings.motions ) );
+			motions::report(
+			    m_settings.progress, "drawing states and motions", double( i + 1 ) / double( m_settings.motions ) );
 		}
 		for ( std::size_t i = 0; i < m_settings.states; ++i )
 		{
@@ -60,7 +61,8 @@ private:
 
 	bool isRotation( std::size_t i ) const
 	{
-		return info( i ).component >= 3 && lw_robot_joint_type( m_problem.robot.get(), info( i ).joint ) == LW_JOINT_FLOATING;
+		return info( i ).component >= 3 &&
+		       lw_robot_joint_type( m_problem.robot.get(), info( i ).joint ) == LW_JOINT_FLOATING;
 	}
 
 	std::pair<double, double> span( std::size_t i ) const
@@ -119,7 +121,9 @@ private:
 	bool isFree( const std::vector<double>& q )
 	{
 		bool free = false;
-		require( lw_checker_is_free( m_problem.checker.get(), m_query, q.data(), m_settings.flags, m_settings.min_d, &free, nullptr ), "a state" );
+		require( lw_checker_is_free(
+		             m_problem.checker.get(), m_query, q.data(), m_settings.flags, m_settings.min_d, &free, nullptr ),
+		    "a state" );
 		return free;
 	}
 
@@ -149,7 +153,8 @@ private:
 		Motion motion;
 		motion.from = freeState();
 		motion.to = state();
-		const double length = motions::jointDistance( m_problem, motion.from, motion.to ), most = uniform() * longest * m_extent;
+		const double length = motions::jointDistance( m_problem, motion.from, motion.to ),
+		             most = uniform() * longest * m_extent;
 		motion.to = length > most ? between( motion.from, motion.to, most / length ) : motion.to;
 		return motion;
 	}
@@ -177,8 +182,8 @@ void enclose( const io::Problem& problem, lw_query* query, const Settings& setti
 	{
 		def.min_d = margin;
 		lw_edge_result edge;
-		require( lw_checker_edge( problem.checker.get(), query, motion.from.data(), motion.to.data(), &def, &edge ),
-		    "a motion" );
+		require(
+		    lw_checker_edge( problem.checker.get(), query, motion.from.data(), motion.to.data(), &def, &edge ), "a motion" );
 		if ( edge.verdict == LW_VERDICT_FREE )
 		{
 			motion.low = std::max( motion.low, edge.lower_bound );
@@ -208,8 +213,8 @@ Samples drawSamples( const io::Problem& problem, const Settings& settings, const
 	for ( const std::vector<double>& q : samples.states )
 	{
 		lw_state_result exact;
-		require(
-		    lw_checker_state( problem.checker.get(), query.get(), q.data(), settings.flags, nullptr, false, &exact ), "a state" );
+		require( lw_checker_state( problem.checker.get(), query.get(), q.data(), settings.flags, nullptr, false, &exact ),
+		    "a state" );
 		samples.environment.push_back( exact.environment.upper );
 		samples.self.push_back( exact.self.upper );
 		samples.free_states += std::min( exact.environment.upper, exact.self.upper ) > settings.min_d;

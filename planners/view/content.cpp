@@ -234,8 +234,8 @@ std::vector<io::JointModel> jointsOf( const io::RobotModel& model, const lw_robo
 	for ( std::uint32_t i = 0; i < lw_robot_joint_count( robot ); ++i )
 	{
 		const std::string name = lw_robot_joint_name( robot, i );
-		const auto found = std::find_if( model.joints.begin(), model.joints.end(),
-		    [&]( const io::JointModel& joint ) { return joint.name == name; } );
+		const auto found = std::find_if(
+		    model.joints.begin(), model.joints.end(), [&]( const io::JointModel& joint ) { return joint.name == name; } );
 		if ( found != model.joints.end() )
 		{
 			joints.push_back( *found );

@@ -21,13 +21,13 @@ struct PageInput
 	ViewMotion motion; ///< at least one step
 	lw_check_flags flags = LW_CHECK_BOTH;
 	double min_d = 0;
-	std::size_t triangles = 5000;              ///< shown of one mesh
-	bool live = true;                          ///< the page holds the engine's shapes too
-	std::vector<io::LinkSpheres> spheres = {}; ///< of `spherize`; empty: none
-	std::string source = {};                   ///< of the motion, a file name; empty: none
+	std::size_t triangles = 5000;                 ///< shown of one mesh
+	bool live = true;                             ///< the page holds the engine's shapes too
+	std::vector<io::LinkSpheres> spheres = {};    ///< of `spherize`; empty: none
+	std::string source = {};                      ///< of the motion, a file name; empty: none
 	std::string robot_file = {}, scene_file = {}; ///< as the page names them
-	std::vector<std::string> notes = {};       ///< sentences that the page repeats
-	ProgressFunction progress = {};            ///< may be empty
+	std::vector<std::string> notes = {};          ///< sentences that the page repeats
+	ProgressFunction progress = {};               ///< may be empty
 };
 
 struct PageContent

@@ -89,7 +89,7 @@ void putScene( const lw_scene* scene, const ShapeList& shapes, Numbers& out )
 
 void putChecker( const io::Problem& problem, Numbers& out )
 {
-		const lw_checker* checker = problem.checker.get();
+	const lw_checker* checker = problem.checker.get();
 	const std::uint32_t links = lw_robot_link_count( problem.robot.get() );
 	const std::uint32_t objects = problem.scene ? lw_scene_object_count( problem.scene.get() ) : 0;
 	out.put( problem.variables.size(), problem.allowed.size() );

@@ -112,7 +112,8 @@ bool runQuietly( const std::vector<std::string>& command )
 		_exit( 127 );
 	}
 	const auto start = std::chrono::steady_clock::now();
-	const auto seconds = [start] { return std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count(); };
+	const auto seconds = [start]
+	{ return std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count(); };
 	int status = -1;
 	pid_t ended = 0;
 	while ( child > 0 && ( ended = waitpid( child, &status, WNOHANG ) ) == 0 && seconds() < most_seconds )

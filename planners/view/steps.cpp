@@ -95,8 +95,8 @@ void refine( const Meter& meter, const StateAt& state_at, std::vector<ViewStep>&
 }
 
 /// Equal steps from 0 to `end`, and the corners.
-ViewMotion sampled( const Meter& meter, const StateAt& state_at, double end, const std::vector<double>& corners, StepUnit unit,
-    const ProgressFunction& progress )
+ViewMotion sampled( const Meter& meter, const StateAt& state_at, double end, const std::vector<double>& corners,
+    StepUnit unit, const ProgressFunction& progress )
 {
 	std::vector<double> places;
 	for ( std::size_t i = 0; i <= equal_steps; ++i )
@@ -133,9 +133,8 @@ double leastClearance( const lw_state_result& result )
 	return least;
 }
 
-ViewMotion motionOfPath(
-    const io::Problem& problem, const std::vector<std::vector<double>>& points, lw_check_flags flags, const std::string& file,
-    const ProgressFunction& progress )
+ViewMotion motionOfPath( const io::Problem& problem, const std::vector<std::vector<double>>& points, lw_check_flags flags,
+    const std::string& file, const ProgressFunction& progress )
 {
 	std::vector<double> begin = { 0 };
 	for ( std::size_t i = 0; i + 1 < points.size(); ++i )
@@ -164,9 +163,8 @@ ViewMotion motionOfPath(
 	return sampled( Meter( problem, flags, file ), state_at, 1, begin, StepUnit::share, progress );
 }
 
-ViewMotion motionOfTrajectory(
-    const io::Problem& problem, const std::vector<Segment>& segments, lw_check_flags flags, const std::string& file,
-    const ProgressFunction& progress )
+ViewMotion motionOfTrajectory( const io::Problem& problem, const std::vector<Segment>& segments, lw_check_flags flags,
+    const std::string& file, const ProgressFunction& progress )
 {
 	std::vector<double> corners;
 	corners.reserve( segments.size() );
@@ -175,7 +173,8 @@ ViewMotion motionOfTrajectory(
 		corners.push_back( segment.begin );
 	}
 	const double end = segments.back().begin + segments.back().seconds;
-	return sampled( Meter( problem, flags, file ), [&]( double time ) { return stateAt( segments, time ); }, end, corners,
+	return sampled(
+	    Meter( problem, flags, file ), [&]( double time ) { return stateAt( segments, time ); }, end, corners,
 	    StepUnit::seconds, progress );
 }
 

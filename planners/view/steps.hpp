@@ -20,7 +20,7 @@ struct ViewStep
 	std::vector<double> q; ///< group state
 	lw_state_result result = {};
 	std::vector<lwv_pair> marked = {}; ///< pairs in contact that the checker allows
-	std::string label; ///< of a list of states; else empty
+	std::string label;                 ///< of a list of states; else empty
 };
 
 enum class StepUnit
@@ -39,14 +39,12 @@ struct ViewMotion
 
 /// States of a path at equal distances and at its corners, and more around the least clearances.
 /// @param points group states, at least one @param file for errors @throws io::Error
-ViewMotion motionOfPath(
-    const io::Problem& problem, const std::vector<std::vector<double>>& points, lw_check_flags flags, const std::string& file,
-    const ProgressFunction& progress = {} );
+ViewMotion motionOfPath( const io::Problem& problem, const std::vector<std::vector<double>>& points, lw_check_flags flags,
+    const std::string& file, const ProgressFunction& progress = {} );
 
 /// States of a trajectory at equal times and at the ends of its segments, and more around the least clearances.
-ViewMotion motionOfTrajectory(
-    const io::Problem& problem, const std::vector<Segment>& segments, lw_check_flags flags, const std::string& file,
-    const ProgressFunction& progress = {} );
+ViewMotion motionOfTrajectory( const io::Problem& problem, const std::vector<Segment>& segments, lw_check_flags flags,
+    const std::string& file, const ProgressFunction& progress = {} );
 
 /// States one by one. @param labels [states] or empty
 ViewMotion motionOfStates( const io::Problem& problem, const std::vector<std::vector<double>>& states,

@@ -151,7 +151,7 @@ TEST( Report, PercentInALabelIsTakenForAFormat )
 	EXPECT_NE( script.find( "\\n" ), std::string::npos ) << script;
 	EXPECT_NE( script.find( "with boxes" ), std::string::npos );
 	EXPECT_EQ( gnuplotScript( namePlot(), Picture::PNG, "out.png" ).find( "with boxes" ), std::string::npos )
-		<< "a bar on a logarithmic axis";
+	    << "a bar on a logarithmic axis";
 }
 
 TEST( Report, PlotIsNotUnderstoodByGnuplot )

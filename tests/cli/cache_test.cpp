@@ -118,8 +118,7 @@ TEST_F( Cache, EdgesPlansAndAuditsReadItToo )
 TEST_F( Cache, InfoNamesThePartsFromIt )
 {
 	check();
-	const Outcome result =
-	    runModel( "info", { "--group", "arm", "--cache", "cache", "--json", "info.json" } );
+	const Outcome result = runModel( "info", { "--group", "arm", "--cache", "cache", "--json", "info.json" } );
 	ASSERT_EQ( result.status, 0 ) << result.err;
 	const nlohmann::json info = json( "info.json" );
 	std::size_t from_cache = 0;
@@ -194,7 +193,8 @@ TEST_F( Cache, ADamagedEntryChangesAnAnswer )
 		for ( int k = 0; k < 2; ++k )
 		{
 			std::string bytes = good[k];
-			const auto place = [&] { return static_cast<std::size_t>( rng.integer( 0, static_cast<int>( bytes.size() ) - 1 ) ); };
+			const auto place = [&]
+			{ return static_cast<std::size_t>( rng.integer( 0, static_cast<int>( bytes.size() ) - 1 ) ); };
 			const std::size_t at = place(), other = place();
 			switch ( i % 6 )
 			{

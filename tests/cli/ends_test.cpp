@@ -120,18 +120,18 @@ TEST_F( CliEnds, WrongEndsAreNamedWithTheLikelyOnes )
 		std::vector<std::string> arguments, words;
 	};
 	const std::vector<Wrong> all = {
-		{ {}, { "--goal", "--request" } },
-		{ { "--goal", "sholder=1" }, { "--goal sholder", "use shoulder" } },
-		{ { "--goal", "shoulder=one" }, { "--goal shoulder", "'one'" } },
-		{ { "--goal", "shoulder=nan" }, { "'nan'" } },
-		{ { "--goal", "shoulder=1,elbow" }, { "'elbow' is not joint=value" } },
-		{ { "--goal", "shoulder=1,shoulder=2" }, { "twice" } },
-		{ { "--goal", "hihg" }, { "group_state hihg", "high of group arm" } },
-		{ { "--goal", "tool_joint=1" }, { "fixed" } },
-		{ { "--goal", "finger_joint=1" }, { "follows joint elbow" } },
-		{ { "--goal", "shoulder=3" }, { "command line: --goal", "above its limit" } },
-		{ { "--goal", "high", "--start", "elbow=2.9" }, { "command line: --start", "above its limit", "start at 0" } },
-		{ { "--goal", "elbow=1", "--group", "shoulder_only" }, { "--goal elbow", "shoulder_only" } },
+	    { {}, { "--goal", "--request" } },
+	    { { "--goal", "sholder=1" }, { "--goal sholder", "use shoulder" } },
+	    { { "--goal", "shoulder=one" }, { "--goal shoulder", "'one'" } },
+	    { { "--goal", "shoulder=nan" }, { "'nan'" } },
+	    { { "--goal", "shoulder=1,elbow" }, { "'elbow' is not joint=value" } },
+	    { { "--goal", "shoulder=1,shoulder=2" }, { "twice" } },
+	    { { "--goal", "hihg" }, { "group_state hihg", "high of group arm" } },
+	    { { "--goal", "tool_joint=1" }, { "fixed" } },
+	    { { "--goal", "finger_joint=1" }, { "follows joint elbow" } },
+	    { { "--goal", "shoulder=3" }, { "command line: --goal", "above its limit" } },
+	    { { "--goal", "high", "--start", "elbow=2.9" }, { "command line: --start", "above its limit", "start at 0" } },
+	    { { "--goal", "elbow=1", "--group", "shoulder_only" }, { "--goal elbow", "shoulder_only" } },
 	};
 	for ( const Wrong& wrong : all )
 	{
@@ -184,7 +184,7 @@ TEST_F( CliEnds, RandomEndsAreFreeAndTheSameForASeed )
 TEST_F( CliEnds, AnAllowedContactDoesNotCount )
 {
 	write( "touch.csv", "shoulder,elbow\n1.2,-1.2\n" ); // the fore arm reaches to x = 0.545
-	edit( "scene.yaml", "[1.0, 0, 0]", "[0.6, 0, 0]" );       // the wall's face is at 0.5
+	edit( "scene.yaml", "[1.0, 0, 0]", "[0.6, 0, 0]" ); // the wall's face is at 0.5
 	const std::vector<std::string> check = { "--group", "arm", "--states", "touch.csv" };
 	EXPECT_EQ( runModel( "check", check ).status, 1 );
 	const Outcome allowed = runModel( "check", check + std::vector<std::string>{ "--allow", "wall:fore" } );
@@ -241,10 +241,11 @@ TEST_F( CliEnds, PathsAndTrajectoriesBeginAtTheNumbersOfTheStartNotAWholeTurnAwa
 	for ( const char* planner : { "Leeway", "RRTConnect" } )
 	{
 		SCOPED_TRACE( planner );
-		const std::vector<std::string> model = { "--robot", "arm.urdf", "--srdf", "arm.srdf", "--scene", "blocked.yaml", "--request",
-		    "request.yaml" };
-		const Outcome outcome = run( std::vector<std::string>{ "plan" } + model +
-		                             std::vector<std::string>{ "--planner", planner, "--out", "path.yaml", "--trajectory", "timed.yaml" } );
+		const std::vector<std::string> model = {
+		    "--robot", "arm.urdf", "--srdf", "arm.srdf", "--scene", "blocked.yaml", "--request", "request.yaml" };
+		const Outcome outcome =
+		    run( std::vector<std::string>{ "plan" } + model +
+		         std::vector<std::string>{ "--planner", planner, "--out", "path.yaml", "--trajectory", "timed.yaml" } );
 		ASSERT_EQ( outcome.status, 0 ) << outcome.err;
 		const YAML::Node points = pathFile()["points"];
 		EXPECT_EQ( points[0]["positions"][0].as<double>(), 5.25 );
@@ -267,8 +268,8 @@ TEST_F( CliEnds, PathsAndTrajectoriesBeginAtTheNumbersOfTheStartNotAWholeTurnAwa
 TEST_F( CliEnds, AnAuditRefusesAPathThatBeginsAWholeTurnFromTheStart )
 {
 	edit( "arm.urdf", "<joint name=\"shoulder\" type=\"revolute\">", "<joint name=\"shoulder\" type=\"continuous\">" );
-	const std::vector<std::string> model = { "--robot", "arm.urdf", "--srdf", "arm.srdf", "--scene", "blocked.yaml", "--request",
-	    "request.yaml" };
+	const std::vector<std::string> model = {
+	    "--robot", "arm.urdf", "--srdf", "arm.srdf", "--scene", "blocked.yaml", "--request", "request.yaml" };
 	ASSERT_EQ( run( std::vector<std::string>{ "plan", "--out", "path.yaml" } + model ).status, 0 );
 	edit( "request.yaml", "position: [-1, ", "position: [5.283185307179586, " );
 	const Outcome audit = run( std::vector<std::string>{ "audit", "--path", "path.yaml" } + model );

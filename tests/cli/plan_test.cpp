@@ -171,8 +171,8 @@ TEST_F( CliPlan, OneRefusedPartDoesNotUndoAllShortcuts )
 	for ( int seed = 1; seed <= 20; ++seed )
 	{
 		const Outcome plan = runModel( "plan",
-		    { "--request", "request.yaml", "--planner", "RRTConnect", "--planner-param", "intermediate_states=1", "--slack", "0.05", "--seed",
-		        std::to_string( seed ), "--report", "r.json" },
+		    { "--request", "request.yaml", "--planner", "RRTConnect", "--planner-param", "intermediate_states=1", "--slack",
+		        "0.05", "--seed", std::to_string( seed ), "--report", "r.json" },
 		    "blocked.yaml" );
 		ASSERT_EQ( plan.status, 0 ) << plan.err;
 		const auto report = nlohmann::json::parse( readFile( path( "r.json" ) ) );

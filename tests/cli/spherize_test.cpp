@@ -31,7 +31,7 @@ std::map<std::string, Spheres> fromYaml( const std::string& text )
 // The spheres between an element's start and end, in documents as the program writes them: each begins with `element`, its
 // centre is the attribute `center`, its radius the next `radius`.
 Spheres fromXml( const std::string& text, const std::string& start, const std::string& end, const std::string& element,
-	const std::string& center )
+    const std::string& center )
 {
 	Spheres out;
 	const std::size_t from = text.find( start );
@@ -64,17 +64,15 @@ bool inside( const Spheres& spheres, double x, double y, double z )
 
 TEST_F( Cli, SpheresOfTheFilesDifferOrMissPoints )
 {
-	const Outcome result = run( { "spherize", "--robot", "arm.urdf", "--srdf", "arm.srdf", "--excess", "15", "--out",
-	    "out" } );
+	const Outcome result =
+	    run( { "spherize", "--robot", "arm.urdf", "--srdf", "arm.srdf", "--excess", "15", "--out", "out" } );
 	ASSERT_EQ( result.status, 0 ) << result.err;
 	const std::map<std::string, Spheres> links = fromYaml( readFile( path( "out/arm_spheres.yml" ) ) );
 	ASSERT_EQ( links.size(), 3u );
 	const std::string urdf = readFile( path( "out/arm_spheres.urdf" ) ), srdf = readFile( path( "out/arm_spheres.srdf" ) );
 	for ( const auto& [name, spheres] : links )
 	{
-		EXPECT_EQ( fromXml( urdf, "<link name=\"" + name + "\"", "</link>",
-		               "<collision", "xyz" ),
-		    spheres );
+		EXPECT_EQ( fromXml( urdf, "<link name=\"" + name + "\"", "</link>", "<collision", "xyz" ), spheres );
 		EXPECT_EQ( fromXml( srdf, "<link_sphere_approximation link=\"" + name + "\"", "</link_sphere_approximation>",
 		               "<sphere ", "center" ),
 		    spheres );
@@ -103,8 +101,8 @@ TEST_F( Cli, SpheresOfTheFilesDifferOrMissPoints )
 
 	// the new robot is read again, and it is nearer to the wall than the old one by the excess at most
 	write( "zero.csv", "shoulder,elbow\n0,0\n" );
-	const std::vector<std::string> more = { "--scene", "scene.yaml", "--group", "arm", "--states", "zero.csv", "--what",
-	    "env" };
+	const std::vector<std::string> more = {
+	    "--scene", "scene.yaml", "--group", "arm", "--states", "zero.csv", "--what", "env" };
 	std::vector<std::string> arguments = { "check", "--robot", "out/arm_spheres.urdf", "--srdf", "out/arm_spheres.srdf" };
 	arguments.insert( arguments.end(), more.begin(), more.end() );
 	const Outcome check = run( arguments );
@@ -114,8 +112,8 @@ TEST_F( Cli, SpheresOfTheFilesDifferOrMissPoints )
 	EXPECT_GE( clearance, 0.1 - 0.015 );
 
 	// and so is the SRDF: spherizing twice replaces the elements of the first time
-	const Outcome again = run( { "spherize", "--robot", "arm.urdf", "--srdf", "out/arm_spheres.srdf", "--excess", "30",
-	    "--out", "." } );
+	const Outcome again =
+	    run( { "spherize", "--robot", "arm.urdf", "--srdf", "out/arm_spheres.srdf", "--excess", "30", "--out", "." } );
 	ASSERT_EQ( again.status, 0 ) << again.err;
 	const std::string twice = readFile( path( "arm_spheres.srdf" ) );
 	EXPECT_EQ( fromXml( twice, "<robot", "</robot>", "<sphere ", "center" ).size(),
@@ -139,8 +137,8 @@ TEST_F( Cli, NumberOfSpheresIsExceeded )
 
 TEST_F( Cli, SpherizeWritesNothingWhenTimeEnds )
 {
-	const Outcome result = run( { "spherize", "--robot", "arm.urdf", "--excess", "0.5", "--time", "0.000001", "--out",
-	    "deep/er" } );
+	const Outcome result =
+	    run( { "spherize", "--robot", "arm.urdf", "--excess", "0.5", "--time", "0.000001", "--out", "deep/er" } );
 	ASSERT_EQ( result.status, 0 ) << result.err;
 	EXPECT_TRUE( contains( result.err, "--time" ) ) << result.err;
 	const nlohmann::json report = nlohmann::json::parse( readFile( path( "deep/er/arm_spheres.json" ) ) );

@@ -95,7 +95,8 @@ TEST_F( CliWords, AResultCommandsTheTerminal )
 		urdf.replace( at, 6, "\"fore\x7f\xc2\x9b[2J\"" );
 	}
 	write( "named.urdf", urdf );
-	for ( const std::vector<std::string>& command : { std::vector<std::string>{ "info" }, { "pairs" }, { "spherize", "--excess", "30", "--out", "spheres" } } )
+	for ( const std::vector<std::string>& command :
+	    { std::vector<std::string>{ "info" }, { "pairs" }, { "spherize", "--excess", "30", "--out", "spheres" } } )
 	{
 		std::vector<std::string> arguments = { command[0], "--robot", "named.urdf", "--no-cache", "--verbose" };
 		arguments.insert( arguments.end(), command.begin() + 1, command.end() );
@@ -145,10 +146,10 @@ TEST_F( CliWords, AnUnknownSubcommandIsNamedWithTheNearest )
 
 TEST_F( CliWords, HelpFitsAScreenAndHelpAllListsTheRest )
 {
-	for ( const char* command : { "", "info", "pairs", "cache", "spherize", "check", "edge", "plan", "audit", "tune", "view" } )
+	for ( const char* command :
+	    { "", "info", "pairs", "cache", "spherize", "check", "edge", "plan", "audit", "tune", "view" } )
 	{
-		const auto help = [&]( const char* flag )
-		{ return *command == '\0' ? run( { flag } ) : run( { command, flag } ); };
+		const auto help = [&]( const char* flag ) { return *command == '\0' ? run( { flag } ) : run( { command, flag } ); };
 		const Outcome brief = help( "--help" ), all = help( "--help-all" );
 		EXPECT_TRUE( brief.status == 0 && all.status == 0 ) << command;
 		EXPECT_TRUE( contains( brief.out, "--help-all" ) ) << command;

@@ -18,7 +18,7 @@ class Bytes
 {
 public:
 	Bytes( const void* data, std::size_t size, std::size_t offset = 0 )
-		: m_memory( new unsigned char[size + offset] ), m_offset( offset ), m_size( size )
+	    : m_memory( new unsigned char[size + offset] ), m_offset( offset ), m_size( size )
 	{
 		if ( size > 0 )
 		{
@@ -45,10 +45,15 @@ private:
 	std::size_t m_offset, m_size;
 };
 
+inline lw_tree_def treeDef( lw_sphere_fit fit, std::uint32_t leafSize, double tileRadius )
+{
+	return { fit, leafSize, tileRadius };
+}
+
 inline const lw_digest test_key = { { 0x0123456789abcdefull, 42 } };
 
-inline Bytes writeBlob( const std::vector<const lw_shape*>& shapes, const lw_reach* reach = nullptr,
-	const lw_allocator* allocator = nullptr )
+inline Bytes writeBlob(
+    const std::vector<const lw_shape*>& shapes, const lw_reach* reach = nullptr, const lw_allocator* allocator = nullptr )
 {
 	lw_blob_def def = lw_blob_def_default();
 	def.key = test_key;
@@ -76,15 +81,15 @@ inline Bytes writeBlob( const std::vector<ShapePtr>& shapes )
 
 /// Reads `count` shapes; empty on failure.
 inline std::vector<ShapePtr> readShapes( const Bytes& blob, std::size_t count, lw_status* status, lw_diag* diag = nullptr,
-	const lw_allocator* allocator = nullptr )
+    const lw_allocator* allocator = nullptr )
 {
 	std::vector<lw_shape*> raw( count );
 	for ( lw_shape*& shape : raw )
 	{
 		shape = reinterpret_cast<lw_shape*>( &raw ); // must be overwritten whatever happens
 	}
-	*status = lw_blob_read_shapes( blob.begin(), blob.size(), test_key, allocator, diag, raw.data(),
-		static_cast<std::uint32_t>( count ) );
+	*status = lw_blob_read_shapes(
+	    blob.begin(), blob.size(), test_key, allocator, diag, raw.data(), static_cast<std::uint32_t>( count ) );
 	std::vector<ShapePtr> shapes;
 	for ( lw_shape* shape : raw )
 	{

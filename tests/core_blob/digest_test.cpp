@@ -52,9 +52,9 @@ int bitCount( std::uint64_t x )
 TEST( Digest, PartsAreNotTheirConcatenation )
 {
 	std::vector<Word> all = { words( ofText( "abc" ) ), words( ofText( "c", ofText( "ab" ) ) ),
-		words( ofText( "bc", ofText( "a" ) ) ), words( ofText( "ab", ofText( "c" ) ) ),
-		words( ofText( "abc", ofText( "" ) ) ), words( ofText( "", ofText( "abc" ) ) ), words( ofText( "" ) ),
-		words( start ) };
+	    words( ofText( "bc", ofText( "a" ) ) ), words( ofText( "ab", ofText( "c" ) ) ),
+	    words( ofText( "abc", ofText( "" ) ) ), words( ofText( "", ofText( "abc" ) ) ), words( ofText( "" ) ),
+	    words( start ) };
 	std::sort( all.begin(), all.end() );
 	EXPECT_EQ( std::adjacent_find( all.begin(), all.end() ), all.end() );
 	EXPECT_TRUE( lw_digest_equal( ofText( "c", ofText( "ab" ) ), ofText( "c", ofText( "ab" ) ) ) );
@@ -166,12 +166,14 @@ TEST( Digest, ValuesAreThoseOfTheFirstVersion )
 TEST( ShapeDigest, EqualShapesAreEqualOthersAreNot )
 {
 	std::vector<Word> all;
-	auto add = [&all]( lw_shape* shape ) {
+	auto add = [&all]( lw_shape* shape )
+	{
 		ASSERT_NE( shape, nullptr );
 		all.push_back( words( lw_shape_digest( shape ) ) );
 		lw_shape_release( shape );
 	};
-	auto mesh = []( double x, lw_sphere_fit fit, std::uint32_t leafSize ) {
+	auto mesh = []( double x, lw_sphere_fit fit, std::uint32_t leafSize )
+	{
 		const double vertices[12] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, x, 1, 1 };
 		const std::uint32_t indices[9] = { 0, 1, 2, 1, 2, 3, 0, 1, 3 };
 		lw_mesh_def def = lw_mesh_def_default();
@@ -185,13 +187,15 @@ TEST( ShapeDigest, EqualShapesAreEqualOthersAreNot )
 		lw_shape_create_mesh( &def, nullptr, nullptr, &shape );
 		return shape;
 	};
-	auto points = []( double radius ) {
+	auto points = []( double radius )
+	{
 		const double p[6] = { 0, 0, 0, 1, 2, 3 };
 		lw_shape* shape = nullptr;
 		lw_shape_create_points( p, 2, radius, nullptr, nullptr, nullptr, &shape );
 		return shape;
 	};
-	auto primitive = []( lw_shape_type type, double x, double y ) {
+	auto primitive = []( lw_shape_type type, double x, double y )
+	{
 		const double d[3] = { x, y, 1 };
 		lw_shape* shape = nullptr;
 		lw_shape_create_primitive( type, d, nullptr, nullptr, &shape );
@@ -226,7 +230,7 @@ TEST( ShapeDigest, EqualShapesAreEqualOthersAreNot )
 	}
 	std::size_t half = all.size() / 2;
 	EXPECT_TRUE( std::equal( all.begin(), all.begin() + static_cast<std::ptrdiff_t>( half ),
-		all.begin() + static_cast<std::ptrdiff_t>( half ) ) );
+	    all.begin() + static_cast<std::ptrdiff_t>( half ) ) );
 	all.resize( half );
 	std::sort( all.begin(), all.end() );
 	EXPECT_EQ( std::adjacent_find( all.begin(), all.end() ), all.end() );
@@ -265,33 +269,35 @@ TEST( RobotDigest, EachChangeOfTheModelIsSeen )
 	using Change = std::function<void( RobotModel& )>;
 	auto ulp = []( double& x ) { x = std::nextafter( x, 10 ); };
 	std::vector<Change> changes = {
-		[]( RobotModel& ) {},
-		[&]( RobotModel& m ) { ulp( m.joints[1].lower ); },
-		[&]( RobotModel& m ) { ulp( m.joints[1].upper ); },
-		[&]( RobotModel& m ) { ulp( m.joints[3].lower ); },
-		[]( RobotModel& m ) { m.joints[4].position_upper[1] = 2; },
-		[]( RobotModel& m ) { m.joints[5].position_lower[2] = -2; },
-		[&]( RobotModel& m ) { ulp( m.joints[6].mimic_multiplier ); },
-		[]( RobotModel& m ) { m.joints[6].mimic_offset = 1e-300; },
-		[]( RobotModel& m ) { m.joints[6].mimic = 2; },
-		[]( RobotModel& m ) { m.joints[6].mimic = LW_INVALID_INDEX; },
-		[]( RobotModel& m ) { m.joints[1].axis[2] = -1; },
-		[]( RobotModel& m ) { m.joints[1].axis[0] = 1e-9; },
-		[]( RobotModel& m ) { m.joints[1].parent_from_joint.t[0] = 1e-300; },
-		[]( RobotModel& m ) { m.joints[0].parent_from_joint.t[2] = 1; },
-		[]( RobotModel& m ) { m.joints[5].parent = 1; },
-		[]( RobotModel& m ) { std::swap( m.joints[0], m.joints[5] ); },
-		[]( RobotModel& m ) { m.joints[1].type = LW_JOINT_PRISMATIC; },
-		[]( RobotModel& m ) { m.joints[0].type = LW_JOINT_CONTINUOUS; },
-		[]( RobotModel& m ) { m.allowed[0].link_b = 4; },
-		[]( RobotModel& m ) { m.allowed.push_back( { 6, 7 } ); },
-		[]( RobotModel& m ) { m.allowed.clear(); },
-		[]( RobotModel& m ) { m.bodies[0].link = 3; },
-		[]( RobotModel& m ) { m.bodies[0].link_from_shape.t[1] = 1e-300; },
-		[]( RobotModel& m ) { std::swap( m.bodies[0].shape, m.bodies[1].shape ); },
-		[]( RobotModel& m ) { std::swap( m.bodies[0], m.bodies[1] ); },
-		[]( RobotModel& m ) { m.bodies.pop_back(); },
-		[]( RobotModel& m ) { m.worldFromRoot.t[2] = 1e-300; },
+	    []( RobotModel& ) {},
+	    [&]( RobotModel& m ) { ulp( m.joints[1].lower ); },
+	    [&]( RobotModel& m ) { ulp( m.joints[1].upper ); },
+	    [&]( RobotModel& m ) { ulp( m.joints[3].lower ); },
+	    []( RobotModel& m ) { m.joints[4].position_upper[1] = 2; },
+	    []( RobotModel& m ) { m.joints[5].position_lower[2] = -2; },
+	    [&]( RobotModel& m ) { ulp( m.joints[6].mimic_multiplier ); },
+	    []( RobotModel& m ) { m.joints[6].mimic_offset = 1e-300; },
+	    []( RobotModel& m ) { m.joints[6].mimic = 2; },
+	    []( RobotModel& m ) { m.joints[6].mimic = LW_INVALID_INDEX; },
+	    []( RobotModel& m ) { m.joints[1].axis[2] = -1; },
+	    []( RobotModel& m ) { m.joints[1].axis[0] = 1e-9; },
+	    []( RobotModel& m ) { m.joints[1].parent_from_joint.t[0] = 1e-300; },
+	    []( RobotModel& m ) { m.joints[0].parent_from_joint.t[2] = 1; },
+	    []( RobotModel& m ) { m.joints[5].parent = 1; },
+	    []( RobotModel& m ) { std::swap( m.joints[0], m.joints[5] ); },
+	    []( RobotModel& m ) { m.joints[1].type = LW_JOINT_PRISMATIC; },
+	    []( RobotModel& m ) { m.joints[0].type = LW_JOINT_CONTINUOUS; },
+	    []( RobotModel& m ) { m.allowed[0].link_b = 4; },
+	    []( RobotModel& m ) {
+		    m.allowed.push_back( { 6, 7 } );
+	    },
+	    []( RobotModel& m ) { m.allowed.clear(); },
+	    []( RobotModel& m ) { m.bodies[0].link = 3; },
+	    []( RobotModel& m ) { m.bodies[0].link_from_shape.t[1] = 1e-300; },
+	    []( RobotModel& m ) { std::swap( m.bodies[0].shape, m.bodies[1].shape ); },
+	    []( RobotModel& m ) { std::swap( m.bodies[0], m.bodies[1] ); },
+	    []( RobotModel& m ) { m.bodies.pop_back(); },
+	    []( RobotModel& m ) { m.worldFromRoot.t[2] = 1e-300; },
 	};
 	std::vector<Word> all;
 	for ( const Change& change : changes )

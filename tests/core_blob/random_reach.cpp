@@ -48,7 +48,7 @@ lw_reach_pair randomPair( const lw_robot* robot, std::uint32_t a, std::uint32_t 
 	pair.separation = nextRandom( state ) < 0.4 ? 0.0 : nextRandom( state );
 	pair.closest = nextRandom( state ) < 0.4 ? INFINITY : nextRandom( state );
 	pair.contact_share = nextRandom( state );
-	pair.variable_count = (std::uint32_t)( ( robot->variable_count + 1u ) * nextRandom( state ) );
+	pair.variable_count = ( std::uint32_t )( ( robot->variable_count + 1u ) * nextRandom( state ) );
 	return pair;
 }
 
@@ -68,12 +68,12 @@ void addGrids( lw_reach* reach, std::uint64_t* state )
 			}
 			for ( std::uint32_t i = 0; i < grid->dimension; ++i )
 			{
-				grid->axes[i].bits = (std::uint8_t)( 4.0 * nextRandom( state ) );
+				grid->axes[i].bits = ( std::uint8_t )( 4.0 * nextRandom( state ) );
 			}
 			grid->cells = static_cast<std::uint8_t*>( lwi_alloc( &reach->allocator, lwi_grid_size( grid ) ) );
 			for ( std::size_t i = 0; i < lwi_grid_size( grid ); ++i )
 			{
-				grid->cells[i] = (std::uint8_t)( 256.0 * nextRandom( state ) );
+				grid->cells[i] = ( std::uint8_t )( 256.0 * nextRandom( state ) );
 			}
 			++reach->grid_count;
 		}
@@ -105,8 +105,8 @@ void addEfforts( lw_reach* reach, std::uint64_t* state )
 	reach->seconds = nextRandom( state );
 	reach->sample_count = 100;
 	reach->evidence = randomDoubles( reach, (std::size_t)reach->evidence_count * reach->variable_count, state );
-	reach->efforts = static_cast<lwi_effort*>( lwi_alloc_zero( &reach->allocator, reach->evidence_count,
-		sizeof( lwi_effort ) ) );
+	reach->efforts =
+	    static_cast<lwi_effort*>( lwi_alloc_zero( &reach->allocator, reach->evidence_count, sizeof( lwi_effort ) ) );
 	for ( std::size_t i = 0; i < pairs; ++i )
 	{
 		lwi_effort* effort = lwi_reach_effort( reach, i );
@@ -115,8 +115,8 @@ void addEfforts( lw_reach* reach, std::uint64_t* state )
 			continue;
 		}
 		*effort = lwi_effort{};
-		effort->flags = (std::uint32_t)( 63.0 * nextRandom( state ) );
-		effort->contacts = (std::uint32_t)( 100.0 * nextRandom( state ) );
+		effort->flags = ( std::uint32_t )( 63.0 * nextRandom( state ) );
+		effort->contacts = ( std::uint32_t )( 100.0 * nextRandom( state ) );
 		effort->visits = 100;
 		effort->grid_rounds = 2;
 		effort->grid_slabs = 3;
@@ -128,7 +128,7 @@ void addEfforts( lw_reach* reach, std::uint64_t* state )
 		{
 			std::size_t stride = 2 * (std::size_t)reach->pairs[i].variable_count + 1;
 			effort->fraction = 0.5;
-			effort->height = 1 + (std::uint32_t)( 4.0 * nextRandom( state ) );
+			effort->height = 1 + ( std::uint32_t )( 4.0 * nextRandom( state ) );
 			effort->open = randomDoubles( reach, effort->height * stride, state );
 			for ( std::size_t k = 0; k < effort->height * stride; ++k )
 			{
@@ -142,13 +142,13 @@ void addEfforts( lw_reach* reach, std::uint64_t* state )
 const char* effortDifference( const lwi_effort* a, const lwi_effort* b, std::uint32_t variable_count )
 {
 	bool same = a->flags == b->flags && a->contacts == b->contacts && a->visits == b->visits &&
-				a->grid_rounds == b->grid_rounds && a->grid_slabs == b->grid_slabs && a->cells == b->cells &&
-				a->height == b->height;
+	            a->grid_rounds == b->grid_rounds && a->grid_slabs == b->grid_slabs && a->cells == b->cells &&
+	            a->height == b->height;
 	const double x[] = { a->expected, a->fraction, a->target, a->least },
-				 y[] = { b->expected, b->fraction, b->target, b->least };
+	             y[] = { b->expected, b->fraction, b->target, b->least };
 	same = same && std::memcmp( x, y, sizeof( x ) ) == 0;
-	bool same_cells = same && ( a->height == 0 || std::memcmp( a->open, b->open, lwi_effort_bytes( a,
-		variable_count ) ) == 0 );
+	bool same_cells =
+	    same && ( a->height == 0 || std::memcmp( a->open, b->open, lwi_effort_bytes( a, variable_count ) ) == 0 );
 	return !same ? "efforts" : !same_cells ? "open cells" : nullptr;
 }
 
@@ -163,8 +163,8 @@ bool sameGrids( const lw_reach* a, const lw_reach* b )
 		{
 			const lwi_grid_axis *p = &x->axes[k], *q = &y->axes[k];
 			same = p->variable == q->variable && p->bits == q->bits && p->periodic == q->periodic &&
-				   std::memcmp( &p->lower, &q->lower, sizeof( double ) ) == 0 &&
-				   std::memcmp( &p->upper, &q->upper, sizeof( double ) ) == 0;
+			       std::memcmp( &p->lower, &q->lower, sizeof( double ) ) == 0 &&
+			       std::memcmp( &p->upper, &q->upper, sizeof( double ) ) == 0;
 		}
 		same = same && std::memcmp( x->cells, y->cells, lwi_grid_size( x ) ) == 0;
 	}
@@ -184,16 +184,16 @@ bool sameSphere( const lw_sphere* a, const lw_sphere* b )
 bool sameLink( const lwi_reach_link* a, const lwi_reach_link* b )
 {
 	return sameSphere( &a->node.r, &b->node.r ) && sameSphere( &a->node.m, &b->node.m ) &&
-		sameSphere( &a->node.mr, &b->node.mr ) && a->node.hull_point_count == b->node.hull_point_count &&
-		sameDoubles( &a->node.dilation, &b->node.dilation, 1 ) && sameDoubles( &a->node.excess, &b->node.excess, 1 ) &&
-		a->first_point == b->first_point;
+	       sameSphere( &a->node.mr, &b->node.mr ) && a->node.hull_point_count == b->node.hull_point_count &&
+	       sameDoubles( &a->node.dilation, &b->node.dilation, 1 ) && sameDoubles( &a->node.excess, &b->node.excess, 1 ) &&
+	       a->first_point == b->first_point;
 }
 
 bool samePair( const lw_reach_pair* a, const lw_reach_pair* b )
 {
 	return a->kind == b->kind && a->proof == b->proof && a->adjacent == b->adjacent && a->allowed == b->allowed &&
-		sameDoubles( &a->separation, &b->separation, 1 ) && sameDoubles( &a->closest, &b->closest, 1 ) &&
-		sameDoubles( &a->contact_share, &b->contact_share, 1 ) && a->variable_count == b->variable_count;
+	       sameDoubles( &a->separation, &b->separation, 1 ) && sameDoubles( &a->closest, &b->closest, 1 ) &&
+	       sameDoubles( &a->contact_share, &b->contact_share, 1 ) && a->variable_count == b->variable_count;
 }
 
 } // namespace
@@ -233,7 +233,7 @@ lw_reach* randomReach( const lw_robot* robot, std::uint64_t seed )
 		node->r = randomSphere( &state );
 		node->m = randomSphere( &state );
 		node->mr = randomSphere( &state );
-		node->hull_point_count = (std::uint32_t)( 9.0 * nextRandom( &state ) );
+		node->hull_point_count = ( std::uint32_t )( 9.0 * nextRandom( &state ) );
 		node->dilation = nextRandom( &state );
 		node->excess = nextRandom( &state );
 		reach->links[i].first_point = reach->point_count;
@@ -263,8 +263,8 @@ const char* reachDifference( const lw_reach* a, const lw_reach* b )
 {
 	std::size_t n = a->link_count, v = a->variable_count;
 	if ( a->robot != b->robot || n != b->link_count || v != b->variable_count || a->point_count != b->point_count ||
-		 a->evidence_count != b->evidence_count || a->seed != b->seed || a->seconds != b->seconds ||
-		 a->sample_count != b->sample_count )
+	     a->evidence_count != b->evidence_count || a->seed != b->seed || a->seconds != b->seconds ||
+	     a->sample_count != b->sample_count )
 	{
 		return "robot or counts";
 	}
@@ -288,12 +288,12 @@ const char* reachDifference( const lw_reach* a, const lw_reach* b )
 			return difference;
 		}
 	}
-	return !sameGrids( a, b )                                     ? "grids"
-		: !sameDoubles( &a->hull_error, &b->hull_error, 1 )       ? "hull_error"
-		: !sameDoubles( &a->limit_margin, &b->limit_margin, 1 )    ? "limit_margin"
-		: !sameDoubles( a->lower, b->lower, v )                    ? "lower"
-		: !sameDoubles( a->upper, b->upper, v )                    ? "upper"
-		: !sameDoubles( a->points, b->points, 3 * a->point_count ) ? "points"
-		: !sameDoubles( a->evidence, b->evidence, a->evidence_count * v ) ? "evidence"
-																	: nullptr;
+	return !sameGrids( a, b )                                                ? "grids"
+	       : !sameDoubles( &a->hull_error, &b->hull_error, 1 )               ? "hull_error"
+	       : !sameDoubles( &a->limit_margin, &b->limit_margin, 1 )           ? "limit_margin"
+	       : !sameDoubles( a->lower, b->lower, v )                           ? "lower"
+	       : !sameDoubles( a->upper, b->upper, v )                           ? "upper"
+	       : !sameDoubles( a->points, b->points, 3 * a->point_count )        ? "points"
+	       : !sameDoubles( a->evidence, b->evidence, a->evidence_count * v ) ? "evidence"
+	                                                                         : nullptr;
 }

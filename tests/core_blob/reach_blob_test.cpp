@@ -44,8 +44,8 @@ RobotPtr makeRobot( const RobotOptions& o = {} )
 		jointNames.push_back( "joint" + std::to_string( i ) );
 		if ( i > 0 )
 		{
-			static const lw_joint_type types[] = { LW_JOINT_REVOLUTE, LW_JOINT_CONTINUOUS, LW_JOINT_FIXED,
-				LW_JOINT_PRISMATIC };
+			static const lw_joint_type types[] = {
+			    LW_JOINT_REVOLUTE, LW_JOINT_CONTINUOUS, LW_JOINT_FIXED, LW_JOINT_PRISMATIC };
 			lw_joint_def joint = lw_joint_def_default();
 			joint.type = types[( i - 1 ) % 4];
 			joint.parent = i - 1;
@@ -95,7 +95,7 @@ RobotPtr makeRobot( const RobotOptions& o = {} )
 }
 
 ReachPtr readReach( const Bytes& blob, const lw_robot* robot, lw_status* status, lw_diag* diag = nullptr,
-	const lw_allocator* allocator = nullptr )
+    const lw_allocator* allocator = nullptr )
 {
 	lw_reach* reach = reinterpret_cast<lw_reach*>( &status );
 	*status = lw_blob_read_reach( blob.begin(), blob.size(), test_key, robot, allocator, diag, &reach );
@@ -263,7 +263,7 @@ TEST( ReachBlob, OtherRobotsAreStale )
 		lw_diag diag = {};
 		EXPECT_EQ( readStatus( blob, makeRobot( options ).get(), &diag ), LW_ERROR_STALE );
 		EXPECT_TRUE( mentions( diag, "another robot" ) && mentions( diag, "'arm'" ) && mentions( diag, "build again" ) )
-			<< diag.message;
+		    << diag.message;
 	}
 	lw_diag diag = {};
 	lw_digest key = test_key;
@@ -271,9 +271,9 @@ TEST( ReachBlob, OtherRobotsAreStale )
 	lw_reach* out = nullptr;
 	EXPECT_EQ( lw_blob_read_reach( blob.begin(), blob.size(), key, robot.get(), nullptr, &diag, &out ), LW_ERROR_STALE );
 	EXPECT_EQ( lw_blob_read_reach( blob.begin(), blob.size(), test_key, nullptr, nullptr, &diag, &out ),
-		LW_ERROR_INVALID_ARGUMENT );
+	    LW_ERROR_INVALID_ARGUMENT );
 	EXPECT_EQ( lw_blob_read_reach( blob.begin(), blob.size(), test_key, robot.get(), nullptr, &diag, nullptr ),
-		LW_ERROR_INVALID_ARGUMENT );
+	    LW_ERROR_INVALID_ARGUMENT );
 	EXPECT_EQ( readStatus( writeBlob( std::vector<const lw_shape*>() ), robot.get(), &diag ), LW_ERROR_INVALID_ARGUMENT );
 	EXPECT_TRUE( mentions( diag, "no reach" ) ) << diag.message;
 }
@@ -332,7 +332,8 @@ TEST( ReachBlobNonsense, ImpossibleContentsAreRefused )
 	const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
 	ASSERT_EQ( blob.get<std::uint32_t>( counts + 8 ), 7u ) << "the places below are not right any more";
 	ASSERT_EQ( blob.get<double>( pairs + 36 ), lw_reach_get_pair( reach.get(), 0, 1 ).contact_share );
-	auto refused = [&]( const char* what, std::size_t at, auto value ) {
+	auto refused = [&]( const char* what, std::size_t at, auto value )
+	{
 		Bytes bytes( blob.begin(), blob.size() );
 		bytes.put( at, value );
 		bytes.seal();
@@ -393,7 +394,7 @@ TEST( ReachBlobNonsense, ImpossibleProofsUnderWayAreRefused )
 	const std::size_t evidence = points + 24 * blob.get<std::uint64_t>( counts );
 	const std::uint32_t count = blob.get<std::uint32_t>( counts + 16 );
 	const std::size_t efforts = evidence + 8u * lw_robot_variable_count( robot.get() ) * count,
-					  cells = efforts + 64u * count;
+	                  cells = efforts + 64u * count;
 	const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
 	std::size_t under_way = efforts;
 	while ( blob.get<std::uint32_t>( under_way + 20 ) == 0 )
@@ -402,7 +403,8 @@ TEST( ReachBlobNonsense, ImpossibleProofsUnderWayAreRefused )
 	}
 	ASSERT_LT( under_way, cells ) << "no proof is under way";
 	ASSERT_EQ( blob.get<double>( under_way + 40 ), 0.5 ) << "the places below are not right any more";
-	auto refused = [&]( const char* what, std::size_t at, auto value ) {
+	auto refused = [&]( const char* what, std::size_t at, auto value )
+	{
 		Bytes bytes( blob.begin(), blob.size() );
 		bytes.put( at, value );
 		bytes.seal();
@@ -440,11 +442,12 @@ TEST( ReachBlobNonsense, ImpossibleChartsAreRefused )
 	const std::size_t evidence = points + 24 * blob.get<std::uint64_t>( counts );
 	const std::uint32_t efforts = blob.get<std::uint32_t>( counts + 16 );
 	const std::size_t grids =
-		evidence + ( 8u * lw_robot_variable_count( robot.get() ) + 64u ) * efforts + openBytes( reach.get() );
+	    evidence + ( 8u * lw_robot_variable_count( robot.get() ) + 64u ) * efforts + openBytes( reach.get() );
 	const std::uint32_t count = blob.get<std::uint32_t>( counts + 20 ), bits = blob.get<std::uint32_t>( grids + 8 );
 	ASSERT_EQ( count, reach->grid_count ) << "the places below are not right any more";
 	ASSERT_GE( count, 2u );
-	auto refused = [&]( const char* what, std::size_t at, std::uint32_t value ) {
+	auto refused = [&]( const char* what, std::size_t at, std::uint32_t value )
+	{
 		Bytes bytes( blob.begin(), blob.size() );
 		bytes.put( at, value );
 		bytes.seal();
@@ -500,10 +503,10 @@ TEST( ReachBlobNonsense, RandomEditsNeverGiveAnUnusableReach )
 			for ( int edits = rng.integer( 1, 3 ); edits > 0; --edits )
 			{
 				auto at = static_cast<std::size_t>(
-					rng.integer( static_cast<int>( payload ), static_cast<int>( blob.size() ) - 1 ) );
+				    rng.integer( static_cast<int>( payload ), static_cast<int>( blob.size() ) - 1 ) );
 				unsigned char& byte = bytes.begin()[at];
 				byte = static_cast<unsigned char>(
-					rng.integer( 0, 2 ) == 0 ? rng.integer( 0, 255 ) : byte ^ 1 << rng.integer( 0, 7 ) );
+				    rng.integer( 0, 2 ) == 0 ? rng.integer( 0, 255 ) : byte ^ 1 << rng.integer( 0, 7 ) );
 			}
 			bytes.seal();
 			lw_status status = LW_OK;

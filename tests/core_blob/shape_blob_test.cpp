@@ -9,11 +9,6 @@
 namespace
 {
 
-lw_tree_def treeDef( lw_sphere_fit fit, std::uint32_t leafSize, double tileRadius )
-{
-	return { fit, leafSize, tileRadius };
-}
-
 ShapePtr randomPoints( SeededRng& rng, int count, double radius )
 {
 	std::vector<double> points;
@@ -22,8 +17,9 @@ ShapePtr randomPoints( SeededRng& rng, int count, double radius )
 		points.push_back( rng.uniform( -1, 1 ) );
 	}
 	lw_shape* shape = nullptr;
-	EXPECT_EQ( lw_shape_create_points( points.data(), static_cast<std::uint32_t>( count ), radius, nullptr, nullptr, nullptr,
-		&shape ), LW_OK );
+	EXPECT_EQ( lw_shape_create_points(
+	               points.data(), static_cast<std::uint32_t>( count ), radius, nullptr, nullptr, nullptr, &shape ),
+	    LW_OK );
 	return ShapePtr( shape );
 }
 
@@ -43,7 +39,7 @@ ShapePtr randomSet( SeededRng& rng, bool boxes, std::uint32_t count, const lw_tr
 	}
 	lw_shape* shape = nullptr;
 	EXPECT_EQ( LW_OK, boxes ? lw_shape_create_boxes( numbers.data(), count, tree, nullptr, nullptr, &shape )
-							: lw_shape_create_spheres( numbers.data(), count, tree, nullptr, nullptr, &shape ) );
+	                        : lw_shape_create_spheres( numbers.data(), count, tree, nullptr, nullptr, &shape ) );
 	return ShapePtr( shape );
 }
 
@@ -103,8 +99,8 @@ std::vector<ShapePtr> manyShapes( SeededRng& rng )
 	shapes.push_back( randomPoints( rng, 500, 0.01 ) );
 	for ( int type = LW_SHAPE_BOX; type <= LW_SHAPE_CONE; ++type )
 	{
-		shapes.push_back( makePrimitive( static_cast<lw_shape_type>( type ), rng.decade( -2, 2 ), rng.decade( -2, 2 ),
-			rng.decade( -2, 2 ) ) );
+		shapes.push_back( makePrimitive(
+		    static_cast<lw_shape_type>( type ), rng.decade( -2, 2 ), rng.decade( -2, 2 ), rng.decade( -2, 2 ) ) );
 	}
 	for ( lw_sphere_fit fit : { LW_FIT_GREEDY, LW_FIT_COMPACT, LW_FIT_MINIMAL } )
 	{
@@ -345,7 +341,7 @@ TEST( ShapeBlob, OtherFilesAreNoBlobs )
 {
 	SeededRng rng;
 	const char* text = "<?xml version=\"1.0\"?><robot name=\"r\"><link name=\"a\"/></robot> and so much more that it is "
-					   "as long as a header";
+	                   "as long as a header";
 	lw_diag diag = {};
 	EXPECT_EQ( readStatus( Bytes( text, std::strlen( text ) ), 1, &diag ), LW_ERROR_DAMAGED );
 	EXPECT_TRUE( mentions( diag, "not a blob" ) ) << diag.message;
@@ -372,12 +368,10 @@ TEST( ShapeBlob, OtherVersionLayoutOrKeyIsStale )
 		std::size_t byte;
 		const char* says;
 	};
-	for ( Case c :
-		{ Case{ LWI_BLOB_VERSION, "version" }, Case{ LWI_BLOB_VERSION + 3, "version" }, Case{ LWI_BLOB_LAYOUT,
-			"byte order" },
-			Case{ LWI_BLOB_LAYOUT + 4, "layout" }, Case{ LWI_BLOB_LAYOUT + 6, "layout" }, Case{ LWI_BLOB_LAYOUT + 7,
-				"layout" },
-			Case{ LWI_BLOB_KEY, "other contents" }, Case{ LWI_BLOB_KEY + 15, "other contents" } } )
+	for ( Case c : { Case{ LWI_BLOB_VERSION, "version" }, Case{ LWI_BLOB_VERSION + 3, "version" },
+	          Case{ LWI_BLOB_LAYOUT, "byte order" }, Case{ LWI_BLOB_LAYOUT + 4, "layout" },
+	          Case{ LWI_BLOB_LAYOUT + 6, "layout" }, Case{ LWI_BLOB_LAYOUT + 7, "layout" },
+	          Case{ LWI_BLOB_KEY, "other contents" }, Case{ LWI_BLOB_KEY + 15, "other contents" } } )
 	{
 		Bytes other( blob.begin(), blob.size() );
 		other.begin()[c.byte] = static_cast<unsigned char>( other.begin()[c.byte] ^ 4 );
@@ -421,7 +415,7 @@ TEST( ShapeBlob, BadCallsAreRefused )
 	EXPECT_EQ( readStatus( blob, 2, &diag ), LW_ERROR_INVALID_ARGUMENT );
 	EXPECT_TRUE( mentions( diag, "1 shapes" ) ) << diag.message;
 	EXPECT_EQ( lw_blob_read_shapes( blob.begin(), blob.size(), test_key, nullptr, nullptr, nullptr, 1 ),
-		LW_ERROR_INVALID_ARGUMENT );
+	    LW_ERROR_INVALID_ARGUMENT );
 	EXPECT_EQ( lw_blob_get_info( blob.begin(), blob.size(), nullptr, nullptr ), LW_ERROR_INVALID_ARGUMENT );
 }
 
@@ -517,7 +511,8 @@ TEST( ShapeBlobNonsense, ImpossibleContentsAreRefused )
 	const MeshBlob good( shape.get() );
 	ASSERT_GE( good.info.depth, 2u );
 	const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-	auto refused = [&]( const char* what, auto edit ) {
+	auto refused = [&]( const char* what, auto edit )
+	{
 		MeshBlob blob( shape.get() );
 		edit( blob.bytes );
 		blob.bytes.seal();
@@ -552,11 +547,13 @@ TEST( ShapeBlobNonsense, ImpossibleContentsAreRefused )
 	}
 	for ( double radius : { -1.0, 2e9, double( nan ) } )
 	{
-		refused( "radius of a mesh that stands for another", [&]( Bytes& b ) {
-			b.put( good.counts + 32, 1000u );
-			b.put( good.radius, radius );
-			b.put( good.dimensions, radius );
-		} );
+		refused( "radius of a mesh that stands for another",
+		    [&]( Bytes& b )
+		    {
+			    b.put( good.counts + 32, 1000u );
+			    b.put( good.radius, radius );
+			    b.put( good.dimensions, radius );
+		    } );
 	}
 	refused( "dimension of a mesh", [&]( Bytes& b ) { b.put( good.dimensions + 8, 1.0 ); } );
 	for ( float value : { nan, inf, -1.0f, 0.0f } )
@@ -572,7 +569,7 @@ TEST( ShapeBlobNonsense, ImpossibleContentsAreRefused )
 	refused( "another triangle", [&]( Bytes& b ) { b.put( good.indices + 16, 0u ); } );
 	refused( "node x", [&]( Bytes& b ) { b.put( good.nodes, nan ); } );
 	refused( "sphere around everything from afar",
-		[&]( Bytes& b ) { b.put( good.nodes, 1e14f ), b.put( good.nodes + 96, 1e38f ); } );
+	    [&]( Bytes& b ) { b.put( good.nodes, 1e14f ), b.put( good.nodes + 96, 1e38f ); } );
 	refused( "leaf vertex", [&]( Bytes& b ) { b.put( good.leaves, nan ); } );
 	refused( "leaf triangle", [&]( Bytes& b ) { b.put( good.leaves + 288, good.info.triangle_count ); } );
 }
@@ -591,7 +588,7 @@ TEST( ShapeBlobNonsense, TreesThatAreNoneAreRefused )
 			const std::uint32_t before = good.bytes.get<std::uint32_t>( place );
 			// itself, the root, another node, past the end, leaves that exist and do not, no child
 			for ( std::uint32_t child : { node, 0u, good.info.node_count - 1, good.info.node_count, 0x7fffffffu, 0x80000000u,
-					  0xf0000000u | good.info.leaf_count, 0xefffffffu, 0xffffffffu } )
+			          0xf0000000u | good.info.leaf_count, 0xefffffffu, 0xffffffffu } )
 			{
 				if ( child == before )
 				{
@@ -601,7 +598,7 @@ TEST( ShapeBlobNonsense, TreesThatAreNoneAreRefused )
 				bytes.put( place, child );
 				bytes.seal();
 				ASSERT_EQ( readStatus( bytes, 1 ), LW_ERROR_DAMAGED )
-					<< "node " << node << " lane " << lane << " child " << child;
+				    << "node " << node << " lane " << lane << " child " << child;
 			}
 		}
 	}
@@ -634,7 +631,8 @@ TEST( ShapeBlobNonsense, TablesThatMakeNoSenseAreRefused )
 	shapes.push_back( makePrimitive( LW_SHAPE_BOX, 1, 2, 3 ) );
 	shapes.push_back( makePrimitive( LW_SHAPE_SPHERE, 1 ) );
 	const Bytes blob = writeBlob( shapes );
-	auto refused = [&]( std::size_t at, auto value, std::size_t count ) {
+	auto refused = [&]( std::size_t at, auto value, std::size_t count )
+	{
 		Bytes bytes( blob.begin(), blob.size() );
 		bytes.put( at, value );
 		bytes.seal();
@@ -649,8 +647,8 @@ TEST( ShapeBlobNonsense, TablesThatMakeNoSenseAreRefused )
 		refused( LWI_BLOB_TABLE, kind, 2 );
 	}
 	refused( LWI_BLOB_TABLE + 4, std::uint32_t( 1 ), 2 );
-	for ( std::uint64_t size : { std::uint64_t( 0 ), std::uint64_t( 27 ), std::uint64_t( 29 ), std::uint64_t( 1000 ),
-			  UINT64_MAX, UINT64_MAX - 7 } )
+	for ( std::uint64_t size :
+	    { std::uint64_t( 0 ), std::uint64_t( 27 ), std::uint64_t( 29 ), std::uint64_t( 1000 ), UINT64_MAX, UINT64_MAX - 7 } )
 	{
 		refused( LWI_BLOB_TABLE + 8, size, 2 );
 		refused( LWI_BLOB_TABLE + LWI_BLOB_TABLE_ENTRY + 8, size, 2 );
@@ -664,14 +662,16 @@ TEST( ShapeBlobNonsense, TablesThatMakeNoSenseAreRefused )
 // Sizes that wrap around, tables past the end, bytes that nothing asks for.
 TEST( ShapeBlobNonsense, SizesThatDoNotAddUpAreRefused )
 {
-	auto expectDamaged = []( Bytes& bytes, const char* what ) {
+	auto expectDamaged = []( Bytes& bytes, const char* what )
+	{
 		bytes.seal();
 		lw_blob_info info = {};
 		lw_diag diag = {};
 		EXPECT_EQ( readStatus( bytes, 1, &diag ), LW_ERROR_DAMAGED ) << what;
 		EXPECT_NE( lw_blob_get_info( bytes.begin(), bytes.size(), &diag, &info ), LW_ERROR_STALE ) << diag.message;
 	};
-	auto extended = []( const Bytes& blob, std::size_t extra ) {
+	auto extended = []( const Bytes& blob, std::size_t extra )
+	{
 		std::vector<unsigned char> longer( blob.begin(), blob.begin() + blob.size() );
 		longer.resize( longer.size() + extra, 0 );
 		return Bytes( longer.data(), longer.size() );
@@ -704,7 +704,8 @@ TEST( ShapeBlobNonsense, PointSetsAreCheckedToo )
 	SeededRng rng;
 	ShapePtr shape = randomPoints( rng, 20, 0.1 );
 	const MeshBlob good( shape.get() );
-	auto refused = [&]( auto edit ) {
+	auto refused = [&]( auto edit )
+	{
 		MeshBlob blob( shape.get() );
 		edit( blob.bytes );
 		blob.bytes.seal();
@@ -728,7 +729,8 @@ TEST( ShapeBlobNonsense, PointSetsAreCheckedToo )
 TEST( ShapeBlobNonsense, SetsAndSolidsAreCheckedToo )
 {
 	SeededRng rng;
-	auto refused = []( const lw_shape* shape, auto edit ) {
+	auto refused = []( const lw_shape* shape, auto edit )
+	{
 		MeshBlob blob( shape );
 		edit( blob.bytes, blob );
 		blob.bytes.seal();
@@ -774,10 +776,10 @@ TEST( ShapeBlobNonsense, RandomEditsNeverGiveAnUnsoundShape )
 			for ( int edits = rng.integer( 1, 3 ); edits > 0; --edits )
 			{
 				auto at = static_cast<std::size_t>(
-					rng.integer( static_cast<int>( payload ), static_cast<int>( blob.size() ) - 1 ) );
+				    rng.integer( static_cast<int>( payload ), static_cast<int>( blob.size() ) - 1 ) );
 				unsigned char& byte = bytes.begin()[at];
 				byte = static_cast<unsigned char>(
-					rng.integer( 0, 2 ) == 0 ? rng.integer( 0, 255 ) : byte ^ 1 << rng.integer( 0, 7 ) );
+				    rng.integer( 0, 2 ) == 0 ? rng.integer( 0, 255 ) : byte ^ 1 << rng.integer( 0, 7 ) );
 			}
 			bytes.seal();
 			lw_status status = LW_OK;

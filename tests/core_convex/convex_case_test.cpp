@@ -217,7 +217,7 @@ TEST( ConvexCase, StoppingEarlyKeepsTheInterval )
 		below += low.iterations;
 	}
 	std::printf( "iterations: %llu for all, %llu to half the distance, %llu to one and a half\n", (unsigned long long)all,
-		(unsigned long long)above, (unsigned long long)below );
+	    (unsigned long long)above, (unsigned long long)below );
 	EXPECT_LT( 2 * above, all );
 	EXPECT_LT( 2 * below, all );
 }

@@ -20,8 +20,14 @@ struct Feature
 	const char* name;
 };
 
-Vec unit( Vec v ) { return ( 1 / length( v ) ) * v; }
-real sign( SeededRng& rng ) { return rng.integer( 0, 1 ) == 0 ? -1 : 1; }
+Vec unit( Vec v )
+{
+	return ( 1 / length( v ) ) * v;
+}
+real sign( SeededRng& rng )
+{
+	return rng.integer( 0, 1 ) == 0 ? -1 : 1;
+}
 
 Feature box_feature( SeededRng& rng, const double* half )
 {
@@ -51,8 +57,8 @@ Feature cylinder_feature( SeededRng& rng, real r, real h )
 	case 1:
 		return { { r * c, r * s, h * (real)rng.uniform( -1, 1 ) }, { c, s, 0 }, "side" };
 	default:
-		return { { r * c, r * s, side * h }, { std::cos( tilt ) * c, std::cos( tilt ) * s, side * std::sin( tilt ) },
-			"rim" };
+		return {
+		    { r * c, r * s, side * h }, { std::cos( tilt ) * c, std::cos( tilt ) * s, side * std::sin( tilt ) }, "rim" };
 	}
 }
 
@@ -188,8 +194,8 @@ void one_contact( SeededRng& rng, int ta, int tb, Tally& tally )
 	tally.most_iterations = std::max( tally.most_iterations, r.iterations );
 	tally.iterations += r.iterations;
 	ASSERT_LE( r.lower, gap + pose_error * scale ) << fa.name << "-" << fb.name << " gap/extent " << gap / scale;
-	ASSERT_GE( r.upper, gap - ( pose_error + LWI_CONVEX_ROUNDING ) * scale ) << fa.name << "-" << fb.name << " gap/extent "
-		<< gap / scale;
+	ASSERT_GE( r.upper, gap - ( pose_error + LWI_CONVEX_ROUNDING ) * scale )
+	    << fa.name << "-" << fb.name << " gap/extent " << gap / scale;
 	ASSERT_LE( width, width_target( a, b ) ) << fa.name << "-" << fb.name << " gap/extent " << gap / scale;
 	Body x{ a }, y{ b };
 	Vec pa = from( r.point_a ), pb = unrotate( m, from( r.point_b ) - offset( m ) );
@@ -214,10 +220,10 @@ TEST_P( ConvexContact, KnownGapBetweenFeatures )
 		ASSERT_FALSE( HasFatalFailure() ) << "pair " << i;
 	}
 	std::printf( "%s-%s: %d pairs, %d touching, %d within 1e-7, %d feature pairs; worst: width %.2Lg, rounding used "
-		"%.2Lg of %.2g, upper below truth %.2Lg (of the extent), iterations %u (mean %.1f)\n",
-		names[ta], names[tb], count, tally.touching, tally.near,
-		(int)tally.features.size(), tally.worst_width, tally.rounding_used, LWI_CONVEX_ROUNDING, tally.worst_upper,
-		tally.most_iterations, (double)tally.iterations / count );
+	             "%.2Lg of %.2g, upper below truth %.2Lg (of the extent), iterations %u (mean %.1f)\n",
+	    names[ta], names[tb], count, tally.touching, tally.near, (int)tally.features.size(), tally.worst_width,
+	    tally.rounding_used, LWI_CONVEX_ROUNDING, tally.worst_upper, tally.most_iterations,
+	    (double)tally.iterations / count );
 	EXPECT_GT( tally.touching, count / 6 );
 	EXPECT_GT( tally.near, count / 6 );
 	EXPECT_GT( tally.separated, count / 3 );
@@ -229,6 +235,5 @@ TEST_P( ConvexContact, KnownGapBetweenFeatures )
 	}
 }
 
-INSTANTIATE_TEST_SUITE_P( combinations, ConvexContact,
-	::testing::ValuesIn( combinations ),
-	[]( const auto& pair ) { return std::string( names[pair.param.first] ) + "_" + names[pair.param.second]; } );
+INSTANTIATE_TEST_SUITE_P( combinations, ConvexContact, ::testing::ValuesIn( combinations ),
+    []( const auto& pair ) { return std::string( names[pair.param.first] ) + "_" + names[pair.param.second]; } );

@@ -15,8 +15,8 @@ struct Tally
 };
 
 /// Everything that must hold of one result, whatever the oracle says.
-void check_witnesses( const lwi_convex& a, const lwi_convex& b, const lw_transform& m, const lwi_convex_result& r,
-	real scale, Tally& tally )
+void check_witnesses(
+    const lwi_convex& a, const lwi_convex& b, const lw_transform& m, const lwi_convex_result& r, real scale, Tally& tally )
 {
 	Body x{ a }, y{ b };
 	Vec pa = from( r.point_a );
@@ -96,9 +96,9 @@ TEST_P( ConvexOracle, IntervalContainsTheMinimisedDistance )
 		std::swap( ta, tb );
 	}
 	std::printf( "%s-%s: %d pairs, %d separated (%d close), %d overlapping; oracle within 1e-10: %d; worst: width "
-		"%.2Lg, lower above oracle %.2Lg, upper below oracle %.2Lg, witness outside %.2Lg (of the extent)\n",
-		names[ta], names[tb], tally.pairs, tally.separated, tally.close, tally.overlapping, tally.decided,
-		tally.worst_width, tally.worst_low, tally.worst_high, tally.worst_outside );
+	             "%.2Lg, lower above oracle %.2Lg, upper below oracle %.2Lg, witness outside %.2Lg (of the extent)\n",
+	    names[ta], names[tb], tally.pairs, tally.separated, tally.close, tally.overlapping, tally.decided, tally.worst_width,
+	    tally.worst_low, tally.worst_high, tally.worst_outside );
 	EXPECT_GT( tally.separated, 1000 );
 	EXPECT_GT( tally.close, 1000 );
 	EXPECT_GT( tally.overlapping, 25 );
@@ -107,6 +107,5 @@ TEST_P( ConvexOracle, IntervalContainsTheMinimisedDistance )
 	EXPECT_GT( tally.decided, 9000 ) << "the oracle has lost its teeth";
 }
 
-INSTANTIATE_TEST_SUITE_P( combinations, ConvexOracle,
-	::testing::ValuesIn( combinations ),
-	[]( const auto& pair ) { return std::string( names[pair.param.first] ) + "_" + names[pair.param.second]; } );
+INSTANTIATE_TEST_SUITE_P( combinations, ConvexOracle, ::testing::ValuesIn( combinations ),
+    []( const auto& pair ) { return std::string( names[pair.param.first] ) + "_" + names[pair.param.second]; } );

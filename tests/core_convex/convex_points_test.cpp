@@ -95,7 +95,7 @@ TEST( ConvexPoints, CornersOfABoxAreTheBox )
 		for ( int k = 0; k < 8; ++k )
 		{
 			corners.insert( corners.end(), { k & 1 ? box.size[0] : -box.size[0], k & 2 ? box.size[1] : -box.size[1],
-											   k & 4 ? box.size[2] : -box.size[2] } );
+			                                   k & 4 ? box.size[2] : -box.size[2] } );
 		}
 		corners.insert( corners.end(), { 0.1 * box.size[0], 0, 0 } ); // inside
 		lw_transform m = random_pose( rng, 3 );

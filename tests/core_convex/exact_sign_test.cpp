@@ -60,7 +60,10 @@ private:
 	std::array<Long, 6> m_parts = {};
 };
 
-Point minus( const Point& a, const Point& p ) { return { a[0] - p[0], a[1] - p[1], a[2] - p[2] }; }
+Point minus( const Point& a, const Point& p )
+{
+	return { a[0] - p[0], a[1] - p[1], a[2] - p[2] };
+}
 
 int sideOf( const Point& a, const Point& b, const Point& c, const Point& p )
 {
@@ -132,7 +135,7 @@ TEST( ExactSign, SidesAndTurnsAreThoseOfWholeNumbers )
 		const std::array<Point, 4> p = nearlyInAPlane( rng );
 		const double unit = std::ldexp( 1.0, rng.integer( -150, -20 ) );
 		const auto a = doubles( p[0], unit ), b = doubles( p[1], unit ), c = doubles( p[2], unit ),
-				   d = doubles( p[3], unit );
+		           d = doubles( p[3], unit );
 		const int side = sideOf( p[0], p[1], p[2], p[3] );
 		ASSERT_EQ( lwi_exact_side( a.data(), b.data(), c.data(), d.data() ), side ) << "round " << i;
 		ASSERT_EQ( lwi_exact_side( b.data(), a.data(), c.data(), d.data() ), -side ) << "round " << i;
@@ -140,7 +143,8 @@ TEST( ExactSign, SidesAndTurnsAreThoseOfWholeNumbers )
 		// two of the three coordinates, of which two points may share a line through the third
 		ASSERT_EQ( lwi_exact_orientation( a.data(), b.data(), c.data() ), turnOf( p[0], p[1], p[2] ) ) << "round " << i;
 		ASSERT_EQ( lwi_exact_orientation( b.data() + 1, c.data() + 1, d.data() + 1 ),
-			turnOf( { p[1][1], p[1][2], 0 }, { p[2][1], p[2][2], 0 }, { p[3][1], p[3][2], 0 } ) ) << "round " << i;
+		    turnOf( { p[1][1], p[1][2], 0 }, { p[2][1], p[2][2], 0 }, { p[3][1], p[3][2], 0 } ) )
+		    << "round " << i;
 	}
 	for ( int count : signs )
 	{

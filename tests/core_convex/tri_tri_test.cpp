@@ -30,13 +30,25 @@ enum class Family
 };
 
 constexpr const char* family_names[] = { "ordinary", "needle", "segment", "point", "shared vertex", "shared edge",
-	"identical", "coplanar", "parallel edges", "tiny" };
+    "identical", "coplanar", "parallel edges", "tiny" };
 
-lw_vec3 random_point( SeededRng& rng ) { return { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) }; }
-lw_vec3 mix( lw_vec3 a, double s, lw_vec3 b ) { return { a.x + s * b.x, a.y + s * b.y, a.z + s * b.z }; }
-lw_vec3 minus( lw_vec3 a, lw_vec3 b ) { return { a.x - b.x, a.y - b.y, a.z - b.z }; }
+lw_vec3 random_point( SeededRng& rng )
+{
+	return { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) };
+}
+lw_vec3 mix( lw_vec3 a, double s, lw_vec3 b )
+{
+	return { a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
+}
+lw_vec3 minus( lw_vec3 a, lw_vec3 b )
+{
+	return { a.x - b.x, a.y - b.y, a.z - b.z };
+}
 
-Triangle random_triangle( SeededRng& rng ) { return { random_point( rng ), random_point( rng ), random_point( rng ) }; }
+Triangle random_triangle( SeededRng& rng )
+{
+	return { random_point( rng ), random_point( rng ), random_point( rng ) };
+}
 
 /// Aspect 1e-4 to 1e-14: a third vertex just beside the edge of the others, anywhere along it or beyond.
 Triangle random_needle( SeededRng& rng )
@@ -158,7 +170,10 @@ real witness_error( const Triangle& a, const Triangle& b, const lwi_tri_result& 
 	return size > 0 ? worst / size : worst;
 }
 
-lwi_tri_result measure( const Triangle& a, const Triangle& b ) { return lwi_tri_tri( a.data(), b.data() ); }
+lwi_tri_result measure( const Triangle& a, const Triangle& b )
+{
+	return lwi_tri_tri( a.data(), b.data() );
+}
 } // namespace
 
 TEST( TriTri, AgreesWithTheMinimumOverFeatures )
@@ -199,7 +214,7 @@ TEST( TriTri, AgreesWithTheMinimumOverFeatures )
 		ASSERT_LE( error, LWI_TRI_TRI_ERROR ) << family_names[(int)family] << " " << i << " distance " << r.distance;
 	}
 	std::printf( "worst error %.3Lg, worst witness %.3Lg of the extent (bound %.3g); %d pairs closer than 1e-6\n", worst,
-		worst_witness, LWI_TRI_TRI_ERROR, close );
+	    worst_witness, LWI_TRI_TRI_ERROR, close );
 	for ( int f = 0; f < (int)Family::count; ++f )
 	{
 		std::printf( "  %s: %d crossing, %d apart\n", family_names[f], crossing[f], apart[f] );

@@ -96,8 +96,8 @@ inline Mesh bumpyMesh( SeededRng& rng, double radius, int rings, int sectors )
 	auto put = [&]( double polar, double around )
 	{
 		double r = radius * ( 1 + depth * std::sin( f * polar ) * std::cos( std::floor( g ) * around ) );
-		return m.vertex( r * std::sin( polar ) * std::cos( around ), r * std::sin( polar ) * std::sin( around ),
-			r * std::cos( polar ) );
+		return m.vertex(
+		    r * std::sin( polar ) * std::cos( around ), r * std::sin( polar ) * std::sin( around ), r * std::cos( polar ) );
 	};
 	uint32_t top = put( 0, 0 ), bottom = put( M_PI, 0 );
 	for ( int i = 1; i < rings; ++i )
@@ -174,8 +174,8 @@ inline double toTriangle( const Point& p, const Point& a, const Point& b, const 
 	Point n = cross( minus( b, a ), minus( c, a ) );
 	double length = std::sqrt( dot( n, n ) );
 	bool above = length > 0 && dot( cross( minus( b, a ), minus( p, a ) ), n ) >= 0 &&
-				 dot( cross( minus( c, b ), minus( p, b ) ), n ) >= 0 && dot( cross( minus( a, c ), minus( p, c ) ),
-				 	n ) >= 0;
+	             dot( cross( minus( c, b ), minus( p, b ) ), n ) >= 0 &&
+	             dot( cross( minus( a, c ), minus( p, c ) ), n ) >= 0;
 	return above ? std::min( best, std::abs( dot( minus( p, a ), n ) ) / length ) : best;
 }
 

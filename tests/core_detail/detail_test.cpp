@@ -33,8 +33,8 @@ Mesh meshOf( const lw_shape* shape )
 	lw_shape_info info = lw_shape_get_info( shape );
 	Mesh mesh;
 	mesh.vertices.assign( lw_shape_vertices( shape ), lw_shape_vertices( shape ) + 3 * std::size_t( info.vertex_count ) );
-	mesh.triangles.assign( lw_shape_triangles( shape ),
-		lw_shape_triangles( shape ) + 3 * std::size_t( info.triangle_count ) );
+	mesh.triangles.assign(
+	    lw_shape_triangles( shape ), lw_shape_triangles( shape ) + 3 * std::size_t( info.triangle_count ) );
 	return mesh;
 }
 
@@ -109,8 +109,8 @@ Mesh randomMesh( SeededRng& rng, int kind )
 	case 2:
 	{
 		double amplitude = rng.decade( -4, -1 ), f = rng.uniform( 1, 12 ), g = rng.uniform( 1, 12 );
-		return sheet( rng.integer( 3, 14 ),
-			[&]( double x, double y ) { return amplitude * std::sin( f * x ) * std::cos( g * y ); } );
+		return sheet(
+		    rng.integer( 3, 14 ), [&]( double x, double y ) { return amplitude * std::sin( f * x ) * std::cos( g * y ); } );
 	}
 	case 3: // thin plates, one inside the other: a triangle near both sides may replace both
 	{
@@ -129,8 +129,8 @@ Mesh randomMesh( SeededRng& rng, int kind )
 			uint32_t v[3];
 			for ( uint32_t& vertex : v )
 			{
-				vertex = mesh.vertex( c[0] + rng.uniform( 0, size ), c[1] + rng.uniform( 0, size ),
-					c[2] + rng.uniform( 0, size ) );
+				vertex = mesh.vertex(
+				    c[0] + rng.uniform( 0, size ), c[1] + rng.uniform( 0, size ), c[2] + rng.uniform( 0, size ) );
 			}
 			bool flat = rng.integer( 0, 9 ) == 0;
 			mesh.triangle( v[0], v[1], flat ? v[rng.integer( 0, 1 )] : v[2] );
@@ -172,7 +172,7 @@ TEST( Detail, DistancesAreBelowTheTrueOnesByAtMostTheExcess )
 	{
 		ShapePtr shape = randomMesh( rng, i % 5 ).shape(), coarse = coarser( shape.get(), rng.decade( -4, -1.5 ) );
 		ShapePtr others[] = { randomMesh( rng, ( i + 2 ) % 5 ).shape(), makePrimitive( LW_SHAPE_BOX, 0.1, 0.2, 0.05 ),
-			makePrimitive( LW_SHAPE_CAPSULE, 0.02, 0.1 ), makePrimitive( LW_SHAPE_SPHERE, 0.03 ) };
+		    makePrimitive( LW_SHAPE_CAPSULE, 0.02, 0.1 ), makePrimitive( LW_SHAPE_SPHERE, 0.03 ) };
 		for ( const ShapePtr& other : others )
 		{
 			for ( int k = 0; k < 10; ++k )
@@ -187,8 +187,8 @@ TEST( Detail, DistancesAreBelowTheTrueOnesByAtMostTheExcess )
 				if ( bound.lower > 0 && bound.upper > 1e-9 )
 				{
 					EXPECT_NEAR( std::hypot( bound.point_a.x - bound.point_b.x, bound.point_a.y - bound.point_b.y,
-									 bound.point_a.z - bound.point_b.z ),
-						bound.upper, 1e-9 );
+					                 bound.point_a.z - bound.point_b.z ),
+					    bound.upper, 1e-9 );
 				}
 			}
 		}
@@ -222,7 +222,7 @@ TEST( Detail, ShapesThatCannotGainStayThemselves )
 	lw_shape* boxes = nullptr;
 	ASSERT_EQ( lw_shape_create_boxes( cells, 2, nullptr, nullptr, nullptr, &boxes ), LW_OK );
 	ShapePtr shapes[] = { box.shape(), ShapePtr( solid ), ShapePtr( boxes ), makePrimitive( LW_SHAPE_CYLINDER, 0.1, 0.2 ),
-		makePrimitive( LW_SHAPE_SPHERE, 0.1 ), makePrimitive( LW_SHAPE_HALFSPACE, 0 ) };
+	    makePrimitive( LW_SHAPE_SPHERE, 0.1 ), makePrimitive( LW_SHAPE_HALFSPACE, 0 ) };
 	for ( const ShapePtr& shape : shapes )
 	{
 		ShapePtr same = coarser( shape.get(), 1e-3 );
@@ -249,8 +249,8 @@ TEST( Detail, SetsOfBallsAreContainedToo )
 		}
 		lw_shape* raw = nullptr;
 		ASSERT_EQ( one_radius ? lw_shape_create_points( points.data(), 3000, 0.002, nullptr, nullptr, nullptr, &raw )
-							  : lw_shape_create_spheres( balls.data(), 3000, nullptr, nullptr, nullptr, &raw ),
-			LW_OK );
+		                      : lw_shape_create_spheres( balls.data(), 3000, nullptr, nullptr, nullptr, &raw ),
+		    LW_OK );
 		ShapePtr shape( raw ), coarse = coarser( raw, 0.02 );
 		lw_shape_info info = lw_shape_get_info( coarse.get() );
 		EXPECT_LT( info.vertex_count, 1500u );
@@ -262,8 +262,7 @@ TEST( Detail, SetsOfBallsAreContainedToo )
 			const double* v = lw_shape_vertices( coarse.get() ) + 3 * i;
 			return Point{ v[0], v[1], v[2] };
 		};
-		auto radius = [&]( uint32_t i )
-		{ return one_radius ? info.dimensions[0] : lw_shape_radii( coarse.get() )[i]; };
+		auto radius = [&]( uint32_t i ) { return one_radius ? info.dimensions[0] : lw_shape_radii( coarse.get() )[i]; };
 		double worst = 0;
 		for ( std::size_t i = 0; i < 3000; ++i )
 		{
@@ -293,7 +292,7 @@ TEST( Detail, ACoarserOneOfACoarserOneAddsUp )
 {
 	SeededRng rng;
 	ShapePtr shape = torusMesh( 0.2, 0.05, 48, 24 ).shape(), once = coarser( shape.get(), 1e-3 ),
-			 twice = coarser( once.get(), 5e-3 );
+	         twice = coarser( once.get(), 5e-3 );
 	lw_shape_info first = lw_shape_get_info( once.get() ), second = lw_shape_get_info( twice.get() );
 	EXPECT_LT( second.triangle_count, first.triangle_count );
 	EXPECT_EQ( second.original_count, 2304u );
@@ -306,7 +305,7 @@ TEST( Detail, TwoRunsAreEqualToTheBit )
 	SeededRng rng;
 	ShapePtr shape = bumpyMesh( rng, 0.2, 20, 30 ).shape();
 	EXPECT_TRUE( lw_digest_equal(
-		lw_shape_digest( coarser( shape.get(), 1e-2 ).get() ), lw_shape_digest( coarser( shape.get(), 1e-2 ).get() ) ) );
+	    lw_shape_digest( coarser( shape.get(), 1e-2 ).get() ), lw_shape_digest( coarser( shape.get(), 1e-2 ).get() ) ) );
 }
 
 TEST( Detail, BadInputIsNamed )
@@ -316,8 +315,8 @@ TEST( Detail, BadInputIsNamed )
 	{
 		lw_shape* out = shape.get();
 		lw_diag diag = {};
-		EXPECT_EQ( lw_shape_create_detail( shape.get(), tolerance, nullptr, nullptr, &diag, &out ),
-			LW_ERROR_INVALID_ARGUMENT );
+		EXPECT_EQ(
+		    lw_shape_create_detail( shape.get(), tolerance, nullptr, nullptr, &diag, &out ), LW_ERROR_INVALID_ARGUMENT );
 		EXPECT_EQ( out, nullptr );
 		EXPECT_NE( std::strstr( diag.message, "tolerance" ), nullptr ) << diag.message;
 	}

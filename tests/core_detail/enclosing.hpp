@@ -40,8 +40,8 @@ struct Body
 	explicit Body( const lw_shape* shape, double holes = 0 ) : shapes{ shape }, close_holes( holes ) {}
 	lw_geometry_def def() const
 	{
-		return { shapes.data(), poses.empty() ? nullptr : poses.data(), static_cast<uint32_t>( shapes.size() ),
-			close_holes };
+		return {
+		    shapes.data(), poses.empty() ? nullptr : poses.data(), static_cast<uint32_t>( shapes.size() ), close_holes };
 	}
 };
 
@@ -67,9 +67,9 @@ inline lw_spheres_report check( const Body& body, const std::vector<Sphere>& sph
 	lw_spheres_report report;
 	lw_diag diag = {};
 	lw_geometry_def def = body.def();
-	EXPECT_EQ( lw_spheres_check( &def, data.data(), static_cast<uint32_t>( spheres.size() ), nullptr, &diag, &report ),
-		LW_OK )
-		<< diag.message;
+	EXPECT_EQ(
+	    lw_spheres_check( &def, data.data(), static_cast<uint32_t>( spheres.size() ), nullptr, &diag, &report ), LW_OK )
+	    << diag.message;
 	return report;
 }
 
@@ -100,8 +100,8 @@ inline void expectNothingOutside( SeededRng& rng, const Mesh& mesh, const std::v
 }
 
 /// Points on the spheres against a slow oracle of the body. Returns the farthest distance seen.
-inline double farthestBeyond( SeededRng& rng, const Mesh& mesh, const std::vector<Sphere>& spheres, int samples,
-	bool has_inside )
+inline double farthestBeyond(
+    SeededRng& rng, const Mesh& mesh, const std::vector<Sphere>& spheres, int samples, bool has_inside )
 {
 	double most = 0;
 	for ( const Sphere& s : spheres )

@@ -38,11 +38,11 @@ struct Primitive
 		if ( type == LW_SHAPE_BOX )
 		{
 			return std::hypot( std::max( std::abs( p[0] ) - 0.5 * d[0], 0.0 ),
-				std::max( std::abs( p[1] ) - 0.5 * d[1], 0.0 ), std::max( std::abs( p[2] ) - 0.5 * d[2], 0.0 ) );
+			    std::max( std::abs( p[1] ) - 0.5 * d[1], 0.0 ), std::max( std::abs( p[2] ) - 0.5 * d[2], 0.0 ) );
 		}
 		const double round = std::hypot( p[0], p[1] ), z = std::max( std::abs( p[2] ) - 0.5 * d[1], 0.0 );
 		return type == LW_SHAPE_CYLINDER ? std::hypot( std::max( round - d[0], 0.0 ), z )
-										 : std::max( std::hypot( round, z ) - d[0], 0.0 );
+		                                 : std::max( std::hypot( round, z ) - d[0], 0.0 );
 	}
 };
 
@@ -89,14 +89,14 @@ TEST( Spheres, FormOfPrimitiveLeavesHolesOrReachesTooFar )
 		EXPECT_TRUE( report.encloses && check( body, spheres ).encloses );
 		EXPECT_LE( report.excess, excess );
 		EXPECT_TRUE( lw_spheres_met_target( out ) )
-			<< i << ": " << primitive.d[0] << " " << primitive.d[1] << " " << primitive.d[2] << " excess " << excess;
+		    << i << ": " << primitive.d[0] << " " << primitive.d[1] << " " << primitive.d[2] << " excess " << excess;
 		const double rounding = 1e-15 * ( 4 + largest( primitive ) );
 		for ( int k = 0; k < 1500; ++k )
 		{
 			const Point p = primitive.sample( rng );
 			const lw_vec3 q = lw_transform_point( &pose, { p[0], p[1], p[2] } );
 			ASSERT_LE( gap( spheres, { q.x, q.y, q.z } ), rounding )
-				<< i << ": " << primitive.d[0] << " " << primitive.d[1] << " " << primitive.d[2] << " excess " << excess;
+			    << i << ": " << primitive.d[0] << " " << primitive.d[1] << " " << primitive.d[2] << " excess " << excess;
 		}
 		const lw_transform back = lw_transform_inverse( &pose );
 		for ( int k = 0; k < 4000; ++k )
@@ -104,7 +104,7 @@ TEST( Spheres, FormOfPrimitiveLeavesHolesOrReachesTooFar )
 			const Sphere& s = spheres[static_cast<std::size_t>( k ) % spheres.size()];
 			const double u[3] = { rng.normal(), rng.normal(), rng.normal() }, n = s.radius / std::hypot( u[0], u[1], u[2] );
 			const lw_vec3 q =
-				lw_transform_point( &back, { s.center[0] + n * u[0], s.center[1] + n * u[1], s.center[2] + n * u[2] } );
+			    lw_transform_point( &back, { s.center[0] + n * u[0], s.center[1] + n * u[1], s.center[2] + n * u[2] } );
 			ASSERT_LE( primitive.away( { q.x, q.y, q.z } ), report.excess + rounding ) << i;
 		}
 	}
@@ -120,9 +120,9 @@ TEST( Spheres, FormTakesMoreSpheresOrWorkThanASearch )
 		uint32_t by_search;
 	};
 	const Case cases[] = { { { LW_SHAPE_BOX, { 0.3, 0.2, 0.1 } }, 0.05, 10 },
-		{ { LW_SHAPE_BOX, { 0.3, 0.2, 0.1 } }, 0.01, 163 }, { { LW_SHAPE_BOX, { 0.3, 0.2, 0.1 } }, 0.002, 1649 },
-		{ { LW_SHAPE_CYLINDER, { 0.05, 0.3, 0 } }, 0.02, 16 }, { { LW_SHAPE_CYLINDER, { 0.05, 0.3, 0 } }, 0.002, 402 },
-		{ { LW_SHAPE_CYLINDER, { 0.2, 0.05, 0 } }, 0.005, 681 }, { { LW_SHAPE_CAPSULE, { 0.05, 0.4, 0 } }, 0.005, 89 } };
+	    { { LW_SHAPE_BOX, { 0.3, 0.2, 0.1 } }, 0.01, 163 }, { { LW_SHAPE_BOX, { 0.3, 0.2, 0.1 } }, 0.002, 1649 },
+	    { { LW_SHAPE_CYLINDER, { 0.05, 0.3, 0 } }, 0.02, 16 }, { { LW_SHAPE_CYLINDER, { 0.05, 0.3, 0 } }, 0.002, 402 },
+	    { { LW_SHAPE_CYLINDER, { 0.2, 0.05, 0 } }, 0.005, 681 }, { { LW_SHAPE_CAPSULE, { 0.05, 0.4, 0 } }, 0.005, 89 } };
 	for ( const Case& c : cases )
 	{
 		ShapePtr shape = c.primitive.shape();

@@ -12,8 +12,8 @@ TEST( Spheres, CornersCoveredButNotWholeTriangles )
 	{
 		double size = rng.decade( -2, 1 );
 		Mesh mesh = i % 3 == 0   ? boxMesh( size, size * rng.uniform( 0.1, 1 ), size * rng.uniform( 0.1, 1 ), { 3, -2, 1 } )
-					: i % 3 == 1 ? torusMesh( size, size * rng.uniform( 0.1, 0.6 ), 24, 12 )
-								 : bumpyMesh( rng, size, 10, 16 );
+		            : i % 3 == 1 ? torusMesh( size, size * rng.uniform( 0.1, 0.6 ), 24, 12 )
+		                         : bumpyMesh( rng, size, 10, 16 );
 		ShapePtr shape = mesh.shape();
 		double excess = size * rng.uniform( 0.08, 0.4 );
 		SpheresPtr set = enclose( Body( shape.get() ), excess );
@@ -141,7 +141,7 @@ TEST( Spheres, CheckBelievesTooSmallAnExcess )
 		for ( int k = 0; k < 10; ++k )
 		{
 			spheres.push_back( { { rng.uniform( -0.5, 0.5 ), rng.uniform( -0.5, 0.5 ), rng.uniform( -0.5, 0.5 ) },
-				rng.uniform( 0, 0.4 ) } );
+			    rng.uniform( 0, 0.4 ) } );
 		}
 		lw_spheres_report report = check( Body( shape.get() ), spheres );
 		EXPECT_LE( farthestBeyond( rng, mesh, spheres, 60, true ), report.excess + 1e-12 );
@@ -158,7 +158,7 @@ TEST( Spheres, VoidInsideOfSolidPrimitive )
 		double d[3];
 	};
 	for ( const Case& c : { Case{ LW_SHAPE_BOX, { 1.0, 0.8, 0.6 } }, Case{ LW_SHAPE_CYLINDER, { 0.4, 0.9, 0 } },
-							Case{ LW_SHAPE_CONE, { 0.4, 0.9, 0 } } } )
+	          Case{ LW_SHAPE_CONE, { 0.4, 0.9, 0 } } } )
 	{
 		ShapePtr shape = makePrimitive( c.type, c.d[0], c.d[1], c.d[2] );
 		Body body( shape.get() );
@@ -171,10 +171,10 @@ TEST( Spheres, VoidInsideOfSolidPrimitive )
 		{
 			Point p = { rng.uniform( -0.5, 0.5 ), rng.uniform( -0.5, 0.5 ), rng.uniform( -0.5, 0.5 ) };
 			double round = std::hypot( p[0], p[1] );
-			bool inside = c.type == LW_SHAPE_BOX ? std::abs( p[0] ) <= 0.5 && std::abs( p[1] ) <= 0.4 &&
-				std::abs( p[2] ) <= 0.3
-						  : c.type == LW_SHAPE_CYLINDER ? round <= 0.4 && std::abs( p[2] ) <= 0.45
-														: std::abs( p[2] ) <= 0.45 && round <= 0.4 * ( 0.45 - p[2] ) / 0.9;
+			bool inside = c.type == LW_SHAPE_BOX
+			                  ? std::abs( p[0] ) <= 0.5 && std::abs( p[1] ) <= 0.4 && std::abs( p[2] ) <= 0.3
+			              : c.type == LW_SHAPE_CYLINDER ? round <= 0.4 && std::abs( p[2] ) <= 0.45
+			                                            : std::abs( p[2] ) <= 0.45 && round <= 0.4 * ( 0.45 - p[2] ) / 0.9;
 			if ( inside )
 			{
 				EXPECT_LE( gap( spheres, p ), 0 );
@@ -317,7 +317,7 @@ TEST( Spheres, SameInputOtherSpheres )
 	SpheresPtr a = enclose( Body( shape.get() ), 0.03 ), b = enclose( Body( shape.get() ), 0.03 );
 	ASSERT_EQ( lw_spheres_count( a.get() ), lw_spheres_count( b.get() ) );
 	EXPECT_TRUE( std::equal( lw_spheres_data( a.get() ), lw_spheres_data( a.get() ) + 4 * lw_spheres_count( a.get() ),
-		lw_spheres_data( b.get() ) ) );
+	    lw_spheres_data( b.get() ) ) );
 }
 
 TEST( Spheres, StoppedSearchLeavesHolesOrForgetsItsBest )

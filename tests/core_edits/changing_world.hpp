@@ -98,7 +98,7 @@ inline const std::pair<std::string, std::string>& key( const std::pair<std::stri
 	return pair;
 }
 inline const std::pair<std::string, std::string>& key(
-	const std::pair<const std::pair<std::string, std::string>, double>& pair )
+    const std::pair<const std::pair<std::string, std::string>, double>& pair )
 {
 	return pair.first;
 }
@@ -166,12 +166,12 @@ inline ChangingObject ChangingWorld::randomObject( SeededRng& rng )
 	for ( int i = 0; i < count; ++i )
 	{
 		lw_shape* shape = rng.integer( 0, 2 ) > 0 ? randomMesh( rng, rng.integer( 1, 20 ), 0.15, nullptr )
-												  : randomPrimitive( rng, 0.2, nullptr );
+		                                          : randomPrimitive( rng, 0.2, nullptr );
 		if ( rng.integer( 0, 19 ) == 0 )
 		{
 			lw_shape_release( shape );
-			leeway::require( lw_shape_create_primitive( LW_SHAPE_HALFSPACE, nullptr, nullptr, nullptr, &shape ),
-				"half-space" );
+			leeway::require(
+			    lw_shape_create_primitive( LW_SHAPE_HALFSPACE, nullptr, nullptr, nullptr, &shape ), "half-space" );
 		}
 		object.shapes.push_back( leeway::Shape::adopt( shape ) );
 		object.poses.push_back( randomPose( rng ) );
@@ -239,14 +239,14 @@ inline leeway::Robot ChangingWorld::robotFromNothing() const
 	return leeway::Robot::adopt( all.create().release() );
 }
 
-inline std::vector<lw_link_object_pair> ChangingWorld::allowedPairs( const lw_robot* of_robot,
-	const lw_scene* of_scene ) const
+inline std::vector<lw_link_object_pair> ChangingWorld::allowedPairs(
+    const lw_robot* of_robot, const lw_scene* of_scene ) const
 {
 	std::vector<lw_link_object_pair> pairs;
 	for ( const auto& [link, object] : allowed )
 	{
 		pairs.push_back(
-			{ lw_robot_find_link( of_robot, link.c_str() ), lw_scene_find_object( of_scene, object.c_str() ) } );
+		    { lw_robot_find_link( of_robot, link.c_str() ), lw_scene_find_object( of_scene, object.c_str() ) } );
 	}
 	return pairs;
 }
@@ -308,12 +308,12 @@ inline void ChangingWorld::fillMargins( const lw_robot* of_robot, const lw_scene
 	for ( const auto& [pair, m] : environment_pairs )
 	{
 		out.environment_pairs.push_back( { lw_robot_find_link( of_robot, pair.first.c_str() ),
-			lw_scene_find_object( of_scene, pair.second.c_str() ), m } );
+		    lw_scene_find_object( of_scene, pair.second.c_str() ), m } );
 	}
 	for ( const auto& [pair, m] : self_pairs )
 	{
 		out.self_pairs.push_back(
-			{ lw_robot_find_link( of_robot, pair.first.c_str() ), lw_robot_find_link( of_robot, pair.second.c_str() ), m } );
+		    { lw_robot_find_link( of_robot, pair.first.c_str() ), lw_robot_find_link( of_robot, pair.second.c_str() ), m } );
 	}
 	out.def.environment = environment_margin;
 	out.def.self = self_margin;
@@ -333,7 +333,7 @@ inline void ChangingWorld::forget( const std::string& name, bool object )
 		for ( auto pair = pairs.begin(); pair != pairs.end(); )
 		{
 			bool gone = ( first && changing_world::key( *pair ).first == name ) ||
-						( second && changing_world::key( *pair ).second == name );
+			            ( second && changing_world::key( *pair ).second == name );
 			pair = gone ? pairs.erase( pair ) : std::next( pair );
 		}
 	};
@@ -358,34 +358,34 @@ inline std::string ChangingWorld::margin( SeededRng& rng )
 	const double value = rng.integer( 0, 3 ) > 0 ? rng.uniform( 0, 0.05 ) : 0;
 	const std::string link = any_link(), other = any_link();
 	const std::string object =
-		objects.empty() ? ""
-						: objects[static_cast<std::size_t>( rng.integer( 0, static_cast<int>( objects.size() ) - 1 ) )].name;
+	    objects.empty() ? ""
+	                    : objects[static_cast<std::size_t>( rng.integer( 0, static_cast<int>( objects.size() ) - 1 ) )].name;
 	switch ( rng.integer( 0, objects.empty() ? 4 : 6 ) )
 	{
-		case 0:
-			environment_margin = value;
-			break;
-		case 1:
-			self_margin = value;
-			break;
-		case 2:
-			link_environment[link] = value;
-			break;
-		case 3:
-			link_self[link] = value;
-			break;
-		case 4:
-			if ( link != other )
-			{
-				self_pairs[std::minmax( link, other )] = value;
-			}
-			break;
-		case 5:
-			object_margin[object] = value;
-			break;
-		default:
-			environment_pairs[{ link, object }] = value;
-			break;
+	case 0:
+		environment_margin = value;
+		break;
+	case 1:
+		self_margin = value;
+		break;
+	case 2:
+		link_environment[link] = value;
+		break;
+	case 3:
+		link_self[link] = value;
+		break;
+	case 4:
+		if ( link != other )
+		{
+			self_pairs[std::minmax( link, other )] = value;
+		}
+		break;
+	case 5:
+		object_margin[object] = value;
+		break;
+	default:
+		environment_pairs[{ link, object }] = value;
+		break;
 	}
 	edit( {}, robot, true );
 	return "margin";
@@ -396,8 +396,8 @@ inline void ChangingWorld::edit( const std::vector<lw_scene_change>& changes, co
 	lw_diag diag = {};
 	lw_scene* next_scene = nullptr;
 	leeway::require( lw_scene_edit( scene.get(), changes.data(), static_cast<std::uint32_t>( changes.size() ), nullptr,
-						 &diag, &next_scene ),
-		diag );
+	                     &diag, &next_scene ),
+	    diag );
 	scene = leeway::Scene::adopt( next_scene );
 	robot = next_robot;
 	const std::vector<lw_link_object_pair> pairs = allowedPairs( robot.get(), scene.get() );
@@ -431,8 +431,8 @@ inline std::string ChangingWorld::move( SeededRng& rng )
 		pose = rng.integer( 0, 4 ) > 0 ? randomPose( rng ) : pose;
 	}
 	edit( { { LW_SCENE_MOVE, object.name.c_str(), nullptr, object.poses.data(),
-			  static_cast<std::uint32_t>( object.poses.size() ) } },
-		robot );
+	          static_cast<std::uint32_t>( object.poses.size() ) } },
+	    robot );
 	return "move";
 }
 
@@ -442,8 +442,8 @@ inline std::string ChangingWorld::add( SeededRng& rng )
 	const ChangingObject& object = objects.back();
 	std::vector<const lw_shape*> shapes;
 	edit( { { LW_SCENE_ADD, object.name.c_str(), changing_world::pointers( object, shapes ), object.poses.data(),
-			  static_cast<std::uint32_t>( object.poses.size() ) } },
-		robot );
+	          static_cast<std::uint32_t>( object.poses.size() ) } },
+	    robot );
 	return "add";
 }
 
@@ -466,7 +466,7 @@ inline std::string ChangingWorld::attach( SeededRng& rng )
 	const auto bounded = [&]( const ChangingObject& object )
 	{
 		return std::all_of( object.shapes.begin(), object.shapes.end(),
-			[]( const leeway::Shape& shape ) { return lw_shape_get_info( shape.get() ).type != LW_SHAPE_HALFSPACE; } );
+		    []( const leeway::Shape& shape ) { return lw_shape_get_info( shape.get() ).type != LW_SHAPE_HALFSPACE; } );
 	};
 	auto found = std::find_if( objects.begin(), objects.end(), bounded );
 	if ( found == objects.end() || attached.size() >= 4 )
@@ -533,8 +533,8 @@ inline std::string ChangingWorld::detach( SeededRng& rng )
 	objects.push_back( object );
 	std::vector<const lw_shape*> shapes;
 	edit( { { LW_SCENE_ADD, objects.back().name.c_str(), changing_world::pointers( object, shapes ), object.poses.data(),
-			  static_cast<std::uint32_t>( object.poses.size() ) } },
-		leeway::Robot::adopt( made ) );
+	          static_cast<std::uint32_t>( object.poses.size() ) } },
+	    leeway::Robot::adopt( made ) );
 	return "detach";
 }
 
@@ -552,9 +552,9 @@ inline std::string ChangingWorld::allow( SeededRng& rng )
 	// a checker remembers the nearest pair: as often as any other pair
 	const bool nearest = standing.a != LW_INVALID_INDEX && rng.integer( 0, 1 ) == 0;
 	const std::uint32_t link =
-		nearest ? standing.a : static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( links ) - 1 ) );
+	    nearest ? standing.a : static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( links ) - 1 ) );
 	const std::uint32_t object =
-		nearest ? standing.b : static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( objects.size() ) - 1 ) );
+	    nearest ? standing.b : static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( objects.size() ) - 1 ) );
 	if ( !allowed.empty() && rng.integer( 0, 1 ) == 0 )
 	{
 		allowed.erase( std::next( allowed.begin(), rng.integer( 0, static_cast<int>( allowed.size() ) - 1 ) ) );
@@ -571,20 +571,20 @@ inline std::string ChangingWorld::change( SeededRng& rng )
 {
 	switch ( rng.integer( 0, 9 ) )
 	{
-		case 0:
-		case 1:
-			return add( rng );
-		case 2:
-			return drop( rng );
-		case 3:
-			return attach( rng );
-		case 4:
-			return detach( rng );
-		case 5:
-			return allow( rng );
-		case 6:
-			return margin( rng );
-		default:
-			return move( rng );
+	case 0:
+	case 1:
+		return add( rng );
+	case 2:
+		return drop( rng );
+	case 3:
+		return attach( rng );
+	case 4:
+		return detach( rng );
+	case 5:
+		return allow( rng );
+	case 6:
+		return margin( rng );
+	default:
+		return move( rng );
 	}
 }

@@ -15,7 +15,7 @@ bool sameBits( double a, double b )
 void expectSame( const lw_clearance& a, const lw_clearance& b, const std::string& what )
 {
 	EXPECT_TRUE( sameBits( a.lower, b.lower ) && sameBits( a.upper, b.upper ) )
-		<< what << ": [" << a.lower << ", " << a.upper << "] and [" << b.lower << ", " << b.upper << "]";
+	    << what << ": [" << a.lower << ", " << a.upper << "] and [" << b.lower << ", " << b.upper << "]";
 	EXPECT_EQ( a.kind, b.kind ) << what;
 	EXPECT_EQ( a.a, b.a ) << what;
 	EXPECT_EQ( a.b, b.b ) << what;
@@ -44,15 +44,15 @@ void expectSameInfo( const leeway::Checker& edited, const leeway::Checker& fresh
 	EXPECT_EQ( a.near_shapes, b.near_shapes ) << what;
 	EXPECT_EQ( a.bytes, b.bytes ) << what;
 	EXPECT_TRUE( sameBits( a.environment_margin, b.environment_margin ) && sameBits( a.self_margin, b.self_margin ) )
-		<< what;
+	    << what;
 	expectSame( a.static_environment, b.static_environment, what + ", static" );
 	const lw_scene* scene = lw_checker_scene( edited.get() );
 	ASSERT_EQ( lw_scene_shape_count( scene ), lw_scene_shape_count( lw_checker_scene( fresh.get() ) ) );
 	for ( std::uint32_t i = 0; i < lw_scene_shape_count( scene ); ++i )
 	{
 		EXPECT_TRUE(
-			sameBits( lw_checker_obstacle_distance( edited.get(), i ), lw_checker_obstacle_distance( fresh.get(), i ) ) )
-			<< what << ": shape " << i;
+		    sameBits( lw_checker_obstacle_distance( edited.get(), i ), lw_checker_obstacle_distance( fresh.get(), i ) ) )
+		    << what << ": shape " << i;
 	}
 }
 
@@ -77,7 +77,7 @@ lw_edge_result askEdge( const leeway::Checker& checker, lw_query* query, const S
 lw_range randomRange( SeededRng& rng )
 {
 	return rng.integer( 0, 1 ) ? lw_range_exact()
-							   : lw_range{ rng.uniform( 0, 0.05 ), rng.uniform( 0.06, 0.4 ), rng.integer( 0, 1 ) * 0.1 };
+	                           : lw_range{ rng.uniform( 0, 0.05 ), rng.uniform( 0.06, 0.4 ), rng.integer( 0, 1 ) * 0.1 };
 }
 
 const char* const ALL_KINDS[] = { "move", "add", "remove", "attach", "detach", "allow", "max_d", "margin" };
@@ -88,7 +88,7 @@ struct Comparison
 	int free = 0, blocked = 0, edges_free = 0;
 
 	void states( const ChangingWorld& world, const leeway::Checker& edited, const leeway::Checker& fresh, SeededRng& rng,
-		const std::string& what )
+	    const std::string& what )
 	{
 		leeway::Query a = leeway::makeQuery( edited.get() ), b = leeway::makeQuery( fresh.get() );
 		for ( int i = 0; i < 3; ++i )
@@ -136,14 +136,14 @@ TEST( Edits, CheckerDiffersFromOneMadeFromNothing )
 			++kinds[kind];
 			const std::string what = "edit " + std::to_string( edits ) + " (" + kind + ")";
 			const leeway::Checker fresh =
-				world.checkerFromNothing( world.robotFromNothing(), world.sceneFromNothing(), leeway::Reach() );
+			    world.checkerFromNothing( world.robotFromNothing(), world.sceneFromNothing(), leeway::Reach() );
 			expectSameInfo( world.checker, fresh, what );
 			with_static += lw_checker_get_info( world.checker.get() ).static_environment.upper < INFINITY;
 			comparison.states( world, world.checker, fresh, rng, what );
 		}
 	}
 	EXPECT_TRUE( isEnough() ) << edits << " edits, " << with_static << " with static bodies, " << comparison.free
-							  << " free, " << comparison.blocked << " blocked, " << comparison.edges_free << " free edges";
+	                          << " free, " << comparison.blocked << " blocked, " << comparison.edges_free << " free edges";
 }
 
 TEST( Edits, TablesOfTheBareRobotChangeAnAnswer )
@@ -163,9 +163,9 @@ TEST( Edits, TablesOfTheBareRobotChangeAnAnswer )
 			const leeway::Checker fresh = world.checkerFromNothing( world.robot, world.sceneFromNothing(), world.reach );
 			expectSameInfo( world.checker, fresh, what );
 			const leeway::Checker plain =
-				world.checkerFromNothing( world.robotFromNothing(), world.sceneFromNothing(), leeway::Reach() );
+			    world.checkerFromNothing( world.robotFromNothing(), world.sceneFromNothing(), leeway::Reach() );
 			leeway::Query a = leeway::makeQuery( world.checker.get() ), b = leeway::makeQuery( fresh.get() ),
-						  c = leeway::makeQuery( plain.get() );
+			              c = leeway::makeQuery( plain.get() );
 			const lw_checker_info info = lw_checker_get_info( world.checker.get() );
 			hierarchy += info.hierarchy;
 			never += info.never_pairs > 0 && !world.attached.empty();
@@ -174,8 +174,8 @@ TEST( Edits, TablesOfTheBareRobotChangeAnAnswer )
 			{
 				const State q = world.randomGroupState( rng );
 				const lw_state_result x = ask( world.checker, a.get(), q, lw_range_exact() ),
-									  y = ask( fresh, b.get(), q, lw_range_exact() ),
-									  z = ask( plain, c.get(), q, lw_range_exact() );
+				                      y = ask( fresh, b.get(), q, lw_range_exact() ),
+				                      z = ask( plain, c.get(), q, lw_range_exact() );
 				expectSame( x.environment, y.environment, what + ", environment" );
 				expectSame( x.self, y.self, what + ", self" );
 				EXPECT_EQ( x.verdict, z.verdict ) << what;
@@ -272,7 +272,7 @@ TEST( Edits, QueryWithRoomDoesNotServeLaterSnapshots )
 		leeway::Query query = leeway::makeQuery( world.checker.get(), def );
 		const leeway::Query tight = leeway::makeQuery( world.checker.get() );
 		const std::uint32_t shapes = lw_scene_shape_count( world.scene.get() ),
-							bodies = lw_robot_body_count( world.robot.get() );
+		                    bodies = lw_robot_body_count( world.robot.get() );
 		std::vector<std::pair<State, State>> edges;
 		for ( int i = 0; i < 40; ++i )
 		{
@@ -283,15 +283,15 @@ TEST( Edits, QueryWithRoomDoesNotServeLaterSnapshots )
 				EXPECT_FALSE( lw_query_fits( tight.get(), world.checker.get() ) );
 			}
 			const bool larger = lw_scene_shape_count( world.scene.get() ) > ( shapes + 7 ) / 8 * 8 ||
-								lw_robot_body_count( world.robot.get() ) > bodies;
+			                    lw_robot_body_count( world.robot.get() ) > bodies;
 			if ( larger && lw_checker_get_info( world.checker.get() ).environment_pairs > 0 )
 			{
 				lw_state_result result;
 				const State q = world.randomGroupState( rng );
 				const bool fits = lw_query_fits( tight.get(), world.checker.get() );
-				EXPECT_EQ( lw_checker_state( world.checker.get(), tight.get(), q.data(), LW_CHECK_BOTH, nullptr, false,
-							   &result ),
-					fits ? LW_OK : LW_ERROR_INVALID_ARGUMENT );
+				EXPECT_EQ(
+				    lw_checker_state( world.checker.get(), tight.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &result ),
+				    fits ? LW_OK : LW_ERROR_INVALID_ARGUMENT );
 				EXPECT_TRUE( fits || result.verdict == LW_VERDICT_UNKNOWN );
 			}
 			// memory of earlier snapshots changes no verdict
@@ -299,12 +299,12 @@ TEST( Edits, QueryWithRoomDoesNotServeLaterSnapshots )
 			edges.push_back( { world.randomGroupState( rng ), world.randomGroupState( rng ) } );
 			const lw_range range = { 0.01, 0.3, 0 };
 			const State& qa = edges.back().first;
-			EXPECT_EQ( ask( world.checker, query.get(), qa, range ).verdict,
-				ask( world.checker, fresh.get(), qa, range ).verdict );
+			EXPECT_EQ(
+			    ask( world.checker, query.get(), qa, range ).verdict, ask( world.checker, fresh.get(), qa, range ).verdict );
 			for ( const auto& [a, b] : edges ) // the pairs near before the edit are remembered
 			{
 				const lw_edge_result x = askEdge( world.checker, query.get(), a, b ),
-									 y = askEdge( world.checker, fresh.get(), a, b );
+				                     y = askEdge( world.checker, fresh.get(), a, b );
 				EXPECT_FALSE( x.verdict == LW_VERDICT_FREE && y.verdict == LW_VERDICT_BLOCKED ) << kind;
 				EXPECT_FALSE( x.verdict == LW_VERDICT_BLOCKED && y.verdict == LW_VERDICT_FREE ) << kind;
 				different += x.verdict != y.verdict; // an undecided verdict may depend on remembered pairs
@@ -387,7 +387,7 @@ TEST_F( BadEdits, NameThatIsTaken )
 	expectRefused( { LW_SCENE_ADD, name.c_str(), nullptr, nullptr, 0 }, "there is an object '" + name + "' already" );
 	// removed first, it is free again
 	const lw_scene_change changes[] = { { LW_SCENE_REMOVE, name.c_str(), nullptr, nullptr, 0 },
-		{ LW_SCENE_ADD, name.c_str(), nullptr, nullptr, 0 }, { LW_SCENE_MOVE, name.c_str(), nullptr, nullptr, 0 } };
+	    { LW_SCENE_ADD, name.c_str(), nullptr, nullptr, 0 }, { LW_SCENE_MOVE, name.c_str(), nullptr, nullptr, 0 } };
 	lw_scene* out = nullptr;
 	ASSERT_EQ( lw_scene_edit( world.scene.get(), changes, 3, nullptr, nullptr, &out ), LW_OK );
 	EXPECT_EQ( lw_scene_object_count( out ), world.objects.size() );

@@ -26,7 +26,7 @@ std::shared_ptr<const Published> publish( const ChangingWorld& world, SeededRng&
 	auto made = std::make_shared<Published>();
 	made->checker = world.checker;
 	const leeway::Checker fresh =
-		world.checkerFromNothing( world.robotFromNothing(), world.sceneFromNothing(), leeway::Reach() );
+	    world.checkerFromNothing( world.robotFromNothing(), world.sceneFromNothing(), leeway::Reach() );
 	const leeway::Query query = leeway::makeQuery( fresh.get() );
 	for ( int i = 0; i < 2; ++i )
 	{
@@ -34,8 +34,8 @@ std::shared_ptr<const Published> publish( const ChangingWorld& world, SeededRng&
 		made->answers.emplace_back();
 		lw_query_reset( query.get() );
 		EXPECT_EQ( lw_checker_state( fresh.get(), query.get(), made->states.back().data(), LW_CHECK_BOTH, nullptr, false,
-					   &made->answers.back() ),
-			LW_OK );
+		               &made->answers.back() ),
+		    LW_OK );
 	}
 	return made;
 }
@@ -77,10 +77,10 @@ TEST( EditThreads, AnswersOfOtherSnapshots )
 				lw_query_reset( query.get() ); // warm starts may change the last bits
 				lw_state_result result;
 				lw_status status = lw_checker_state(
-					mine->checker.get(), query.get(), mine->states[i].data(), LW_CHECK_BOTH, nullptr, false, &result );
+				    mine->checker.get(), query.get(), mine->states[i].data(), LW_CHECK_BOTH, nullptr, false, &result );
 				wrong += status != LW_OK || result.verdict != mine->answers[i].verdict ||
-						 !sameInterval( result.environment, mine->answers[i].environment ) ||
-						 !sameInterval( result.self, mine->answers[i].self );
+				         !sameInterval( result.environment, mine->answers[i].environment ) ||
+				         !sameInterval( result.self, mine->answers[i].self );
 				++asked;
 			}
 		}

@@ -30,8 +30,8 @@ Matrix turn( const Vector& a, real angle )
 {
 	const real c = std::cos( angle ), s = std::sin( angle ), k = 1 - c;
 	return { { { c + a[0] * a[0] * k, a[0] * a[1] * k - a[2] * s, a[0] * a[2] * k + a[1] * s },
-		{ a[1] * a[0] * k + a[2] * s, c + a[1] * a[1] * k, a[1] * a[2] * k - a[0] * s },
-		{ a[2] * a[0] * k - a[1] * s, a[2] * a[1] * k + a[0] * s, c + a[2] * a[2] * k } } };
+	    { a[1] * a[0] * k + a[2] * s, c + a[1] * a[1] * k, a[1] * a[2] * k - a[0] * s },
+	    { a[2] * a[0] * k - a[1] * s, a[2] * a[1] * k + a[0] * s, c + a[2] * a[2] * k } } };
 }
 
 Matrix times( const Matrix& a, const Matrix& b )
@@ -50,7 +50,7 @@ Matrix times( const Matrix& a, const Matrix& b )
 Vector times( const Matrix& a, const Vector& v )
 {
 	return { a[0][0] * v[0] + a[0][1] * v[1] + a[0][2] * v[2], a[1][0] * v[0] + a[1][1] * v[1] + a[1][2] * v[2],
-		a[2][0] * v[0] + a[2][1] * v[1] + a[2][2] * v[2] };
+	    a[2][0] * v[0] + a[2][1] * v[1] + a[2][2] * v[2] };
 }
 
 Vector plus( const Vector& a, const Vector& b, real s = 1 )
@@ -76,8 +76,8 @@ struct Chain
 		for ( int i = 0; i < count; ++i )
 		{
 			joints.push_back( { turn( unit( rng ), rng.uniform( -3, 3 ) ),
-				{ rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) }, unit( rng ),
-				rng.uniform( 0, 1 ) < 0.75, rng.uniform( -3, 3 ), rng.uniform( -2, 2 ) } );
+			    { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) }, unit( rng ),
+			    rng.uniform( 0, 1 ) < 0.75, rng.uniform( -3, 3 ), rng.uniform( -2, 2 ) } );
 		}
 	}
 
@@ -162,8 +162,8 @@ lwi_batch_point random_point( SeededRng& rng, double scale )
 		for ( int l = 0; l < LWI_WIDTH; ++l )
 		{
 			p.p[axis][l] = static_cast<float>( scale * rng.uniform( -1, 1 ) );
-			p.displacement[axis][l] = static_cast<float>(
-				scale * rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( -4, 0 ) ) );
+			p.displacement[axis][l] =
+			    static_cast<float>( scale * rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( -4, 0 ) ) );
 		}
 	}
 	return p;
@@ -199,7 +199,7 @@ TEST( BatchKernels, LevelDiffersFromScalar )
 	{
 		const Chain chain( rng );
 		const double local[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) },
-					 origin[3] = { 1, -2, 0.5 };
+		             origin[3] = { 1, -2, 0.5 };
 		const float min[3] = { -1, -1, -1 }, max[3] = { 0, 0, 1 };
 		const lwi_batch_point other = random_point( rng, 2 );
 		struct Output
@@ -298,7 +298,7 @@ TEST( BatchKernels, PointsAreElsewhereOrMoveOtherwise )
 		const Chain chain( rng );
 		const lwi_batch_frame frame = chain.lanes( &lwi_kernels_scalar );
 		const double local[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) },
-					 origin[3] = { 1, -2, 0.5 };
+		             origin[3] = { 1, -2, 0.5 };
 		const double r[3][3] = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } },
 		             still[3][3] = { { 0, 0, 1 }, { 1, 0, 0 }, { 0, 1, 0 } };
 		const float inner[3] = { 0.25f, -0.5f, 0.125f };
@@ -342,15 +342,15 @@ TEST( BatchKernels, MeetingBodiesAreHeldToStayApart )
 		for ( int axis = 0; axis < 3; ++axis )
 		{
 			const float x = static_cast<float>( scale * rng.uniform( -1, 1 ) ),
-						y = static_cast<float>( scale * rng.uniform( -1, 1 ) );
+			            y = static_cast<float>( scale * rng.uniform( -1, 1 ) );
 			min[axis] = std::min( x, y );
 			max[axis] = std::max( x, y );
 		}
 		const float reach = static_cast<float>( scale * rng.uniform( 1e-6, 0.7 ) );
 		for ( const bool box : { true, false } )
 		{
-			const uint32_t met = box ? lwi_kernels_scalar.batch_box( &a, min, max, reach )
-									 : lwi_kernels_scalar.batch_pair( &a, &b, reach );
+			const uint32_t met =
+			    box ? lwi_kernels_scalar.batch_box( &a, min, max, reach ) : lwi_kernels_scalar.batch_pair( &a, &b, reach );
 			for ( int l = 0; l < LWI_WIDTH; ++l )
 			{
 				double least = INFINITY;
@@ -361,7 +361,7 @@ TEST( BatchKernels, MeetingBodiesAreHeldToStayApart )
 				if ( ( met >> l & 1 ) == 0 )
 				{
 					ASSERT_GE( least, static_cast<double>( reach ) - lwi_gap_slack( 8 * scale ) )
-						<< "box " << box << ", input " << i;
+					    << "box " << box << ", input " << i;
 					++apart;
 					tight += least < 1.02 * static_cast<double>( reach ) ? 1u : 0u;
 				}

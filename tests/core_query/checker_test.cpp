@@ -77,15 +77,15 @@ private:
 			name_pointers.push_back( names[i].c_str() );
 			for ( int k = rng.integer( 0, 2 ); k > 0; --k )
 			{
-				shapes.push_back( rng.integer( 0, 2 ) == 0 ? makePrimitive( LW_SHAPE_CAPSULE, 0.05, 0.2 )
-														   : randomSoup( rng, 30, 0.1 ) );
+				shapes.push_back(
+				    rng.integer( 0, 2 ) == 0 ? makePrimitive( LW_SHAPE_CAPSULE, 0.05, 0.2 ) : randomSoup( rng, 30, 0.1 ) );
 				bodies.push_back( { shapes.back().get(), i, randomPose( rng, 0.1 ) } );
 			}
 			if ( i > 0 )
 			{
 				lw_joint_def joint = lw_joint_def_default();
-				const lw_joint_type types[5] = { LW_JOINT_FIXED, LW_JOINT_REVOLUTE, LW_JOINT_CONTINUOUS, LW_JOINT_PRISMATIC,
-					LW_JOINT_REVOLUTE };
+				const lw_joint_type types[5] = {
+				    LW_JOINT_FIXED, LW_JOINT_REVOLUTE, LW_JOINT_CONTINUOUS, LW_JOINT_PRISMATIC, LW_JOINT_REVOLUTE };
 				joint.name = joint_names[i].c_str();
 				joint.type = types[rng.integer( 0, 4 )];
 				joint.parent = static_cast<uint32_t>( rng.integer( std::max( 0, int( i ) - 3 ), int( i ) - 1 ) );
@@ -103,7 +103,7 @@ private:
 		for ( int i = 0; i < 4; ++i )
 		{
 			allowed_links.push_back( { static_cast<uint32_t>( rng.integer( 0, int( links ) - 1 ) ),
-				static_cast<uint32_t>( rng.integer( 0, int( links ) - 1 ) ) } );
+			    static_cast<uint32_t>( rng.integer( 0, int( links ) - 1 ) ) } );
 		}
 		lw_robot_def def = lw_robot_def_default();
 		def.name = "random";
@@ -160,7 +160,7 @@ private:
 		for ( int i = 0; i < 3 && lw_scene_object_count( scene ) > 0; ++i )
 		{
 			allowed_objects.push_back( { static_cast<uint32_t>( rng.integer( 0, int( lw_robot_link_count( robot ) ) - 1 ) ),
-				static_cast<uint32_t>( rng.integer( 0, int( lw_scene_object_count( scene ) ) - 1 ) ) } );
+			    static_cast<uint32_t>( rng.integer( 0, int( lw_scene_object_count( scene ) ) - 1 ) ) } );
 		}
 		lw_checker_def def = lw_checker_def_default();
 		def.robot = robot;
@@ -198,10 +198,10 @@ double all_environment_pairs( const World& world, const std::vector<lw_transform
 		{
 			lw_scene_shape_def obstacle = lw_scene_shape( world.scene, shape );
 			bool allowed = std::any_of( world.allowed_objects.begin(), world.allowed_objects.end(),
-				[&]( lw_link_object_pair p ) { return p.link == def.link && p.object == obstacle.object; } );
+			    [&]( lw_link_object_pair p ) { return p.link == def.link && p.object == obstacle.object; } );
 			lw_clearance out;
 			if ( !allowed && lw_shape_distance( def.shape, &pose, obstacle.shape, &obstacle.world_from_shape, nullptr, query,
-								 &out ) == LW_OK )
+			                     &out ) == LW_OK )
 			{
 				best = std::min( best, out.upper );
 			}
@@ -278,7 +278,8 @@ void expect_distance( const lw_clearance& got, double want )
 }
 
 /// Distance of two links, or of a link and an object, at these poses.
-double distanceOf( const World& world, const std::vector<lw_transform>& poses, bool self, uint32_t link, uint32_t other, lw_query* query )
+double distanceOf(
+    const World& world, const std::vector<lw_transform>& poses, bool self, uint32_t link, uint32_t other, lw_query* query )
 {
 	double best = inf;
 	for ( uint32_t i = 0; i < lw_robot_body_count( world.robot ); ++i )
@@ -291,11 +292,12 @@ double distanceOf( const World& world, const std::vector<lw_transform>& poses, b
 			const lw_body_def b = lw_robot_body( world.robot, self ? k : i );
 			const lw_scene_shape_def obstacle = self ? lw_scene_shape_def() : lw_scene_shape( world.scene, k );
 			const lw_transform pose_b =
-				self ? lw_transform_multiply( &poses[b.link], &b.link_from_shape ) : obstacle.world_from_shape;
+			    self ? lw_transform_multiply( &poses[b.link], &b.link_from_shape ) : obstacle.world_from_shape;
 			lw_clearance out;
 			if ( ( self ? b.link : obstacle.object ) == other )
 			{
-				EXPECT_EQ( LW_OK, lw_shape_distance( a.shape, &pose_a, self ? b.shape : obstacle.shape, &pose_b, nullptr, query, &out ) );
+				EXPECT_EQ( LW_OK,
+				    lw_shape_distance( a.shape, &pose_a, self ? b.shape : obstacle.shape, &pose_b, nullptr, query, &out ) );
 				best = std::min( best, out.upper );
 			}
 		}
@@ -305,7 +307,7 @@ double distanceOf( const World& world, const std::vector<lw_transform>& poses, b
 
 /// The reason of a state that is not free names a pair that is too near.
 void expectReason( const World& world, lw_query* query, const std::vector<double>& q, double min_d,
-	const std::vector<lw_transform>& poses, lw_query* plain )
+    const std::vector<lw_transform>& poses, lw_query* plain )
 {
 	bool free = false;
 	lw_state_reason reason;
@@ -338,8 +340,8 @@ TEST( Checker, DiffersFromAllPairs )
 			double environment = all_environment_pairs( world, poses, plain.get() );
 			double self = all_self_pairs( world, poses, plain.get(), rng );
 			lw_state_result got;
-			ASSERT_EQ( LW_OK,
-				lw_checker_state( world.checker, query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &got ) );
+			ASSERT_EQ(
+			    LW_OK, lw_checker_state( world.checker, query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &got ) );
 			SCOPED_TRACE( ::testing::Message() << "world " << i << " state " << k );
 			expect_distance( got.environment, environment );
 			expect_distance( got.self, self );
@@ -354,10 +356,12 @@ TEST( Checker, DiffersFromAllPairs )
 			for ( const double asked : { 0.0, min_d, 0.3 } )
 			{
 				bool both = false, one = false;
-				ASSERT_EQ( LW_OK, lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_BOTH, asked, &both, nullptr ) );
+				ASSERT_EQ( LW_OK,
+				    lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_BOTH, asked, &both, nullptr ) );
 				EXPECT_EQ( both, std::min( environment, self ) > asked ) << asked;
 				expectReason( world, query.get(), q, asked, poses, plain.get() );
-				ASSERT_EQ( LW_OK, lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_SELF, asked, &one, nullptr ) );
+				ASSERT_EQ(
+				    LW_OK, lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_SELF, asked, &one, nullptr ) );
 				EXPECT_EQ( one, self > asked ) << asked;
 			}
 		}
@@ -376,7 +380,7 @@ TEST( Checker, ErrorReadsAsFree )
 	{
 		q[0] = bad;
 		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-			lw_checker_state( world.checker, query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
+		    lw_checker_state( world.checker, query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
 		EXPECT_EQ( out.verdict, LW_VERDICT_UNKNOWN );
 		EXPECT_EQ( out.environment.lower, 0 );
 		EXPECT_EQ( out.environment.upper, inf );
@@ -384,7 +388,7 @@ TEST( Checker, ErrorReadsAsFree )
 		bool free = true;
 		lw_state_reason reason = { LW_VERDICT_FREE, false, {} };
 		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-			lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_BOTH, 0, &free, &reason ) );
+		    lw_checker_is_free( world.checker, query.get(), q.data(), LW_CHECK_BOTH, 0, &free, &reason ) );
 		EXPECT_FALSE( free );
 		EXPECT_EQ( reason.verdict, LW_VERDICT_UNKNOWN );
 		EXPECT_EQ( reason.pair.kind, LW_CLEARANCE_UNKNOWN );
@@ -394,13 +398,13 @@ TEST( Checker, ErrorReadsAsFree )
 		bool free = true;
 		std::vector<double> zero( world.group.size() );
 		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-			lw_checker_is_free( world.checker, query.get(), zero.data(), LW_CHECK_BOTH, bad, &free, nullptr ) )
-			<< bad;
+		    lw_checker_is_free( world.checker, query.get(), zero.data(), LW_CHECK_BOTH, bad, &free, nullptr ) )
+		    << bad;
 		EXPECT_FALSE( free ) << bad;
 	}
 	q[0] = 0;
 	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-		lw_checker_state( world.checker, too_small.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
+	    lw_checker_state( world.checker, too_small.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
 	EXPECT_EQ( LW_OK, lw_checker_state( world.checker, query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
 }
 
@@ -487,16 +491,18 @@ TEST( Checker, ThreadsDisagree )
 	std::vector<std::thread> threads;
 	for ( int t = 0; t < thread_count; ++t )
 	{
-		threads.emplace_back( [&, t] {
-			QueryPtr query = makeQuery( nullptr, world.checker );
-			for ( const std::vector<double>& q : states )
-			{
-				lw_state_result out;
-				lw_checker_state( world.checker, query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out );
-				answers[t].push_back( out.environment.lower );
-				answers[t].push_back( out.self.upper );
-			}
-		} );
+		threads.emplace_back(
+		    [&, t]
+		    {
+			    QueryPtr query = makeQuery( nullptr, world.checker );
+			    for ( const std::vector<double>& q : states )
+			    {
+				    lw_state_result out;
+				    lw_checker_state( world.checker, query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out );
+				    answers[t].push_back( out.environment.lower );
+				    answers[t].push_back( out.self.upper );
+			    }
+		    } );
 	}
 	for ( std::thread& thread : threads )
 	{
@@ -524,8 +530,8 @@ TEST( Checker, QueryKeepsPosesOfAnotherChecker )
 			QueryPtr fresh = makeQuery( nullptr, world->checker, def );
 			std::vector<double> q = world->random_state( rng );
 			lw_state_result want, got;
-			ASSERT_EQ( LW_OK,
-				lw_checker_state( world->checker, fresh.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &want ) );
+			ASSERT_EQ(
+			    LW_OK, lw_checker_state( world->checker, fresh.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &want ) );
 			for ( lw_query* query : { shared.get(), also.get() } )
 			{
 				if ( lw_checker_state( world->checker, query, q.data(), LW_CHECK_BOTH, nullptr, false, &got ) == LW_OK )

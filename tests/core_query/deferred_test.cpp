@@ -44,8 +44,8 @@ TEST( Required, FailedMeshReadsAsFreeSpace )
 			EXPECT_TRUE( answered || refused || no_motion_bound ) << lw_status_name( status );
 			// and once it can be made, the same query goes on as if nothing had been
 			counts.fail = false;
-			EXPECT_EQ( LW_OK,
-				lw_checker_state( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
+			EXPECT_EQ(
+			    LW_OK, lw_checker_state( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
 			counts.fail = true;
 		}
 	}
@@ -75,13 +75,13 @@ TEST( Required, ThreadsThatPrepareMeshesChangeAnAnswer )
 			World lazy = deferred( world, counts[k] );
 			ScenePtr scene = makeScene( lazy.placed );
 			CheckerPtr checker =
-				makeChecker( lazy.robot.get(), scene.get(), lazy, inf, LW_OK, k > 0 ? &preparation[k] : nullptr );
+			    makeChecker( lazy.robot.get(), scene.get(), lazy, inf, LW_OK, k > 0 ? &preparation[k] : nullptr );
 			QueryPtr query = coldQuery( checker.get() );
 			for ( const State& q : states )
 			{
 				answers[k].emplace_back();
 				ASSERT_EQ( LW_OK, lw_checker_state( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false,
-									  &answers[k].back() ) );
+				                      &answers[k].back() ) );
 			}
 			calls += preparation[k].calls;
 			shapes += preparation[k].shapes;
@@ -188,16 +188,16 @@ TEST( Required, ThreadsMeetAtADeferredMesh )
 		for ( int t = 0; t < 4; ++t )
 		{
 			threads.emplace_back(
-				[&]
-				{
-					QueryPtr query = coldQuery( whole.get() ), other = coldQuery( less.get() );
-					for ( const State& q : states )
-					{
-						lw_state_result want = ask( whole.get(), query.get(), q, ranges[0] );
-						lw_state_result got = ask( less.get(), other.get(), q, ranges[0] );
-						different += want.verdict != got.verdict || want.environment.upper != got.environment.upper;
-					}
-				} );
+			    [&]
+			    {
+				    QueryPtr query = coldQuery( whole.get() ), other = coldQuery( less.get() );
+				    for ( const State& q : states )
+				    {
+					    lw_state_result want = ask( whole.get(), query.get(), q, ranges[0] );
+					    lw_state_result got = ask( less.get(), other.get(), q, ranges[0] );
+					    different += want.verdict != got.verdict || want.environment.upper != got.environment.upper;
+				    }
+			    } );
 		}
 		for ( std::thread& thread : threads )
 		{
@@ -261,15 +261,15 @@ TEST( Required, PreparedCheckerLeavesAMeshToAState )
 		const int created = counts.made;
 		Preparation preparation;
 		preparation.threads = 2 * static_cast<unsigned>( i % 2 );
-		ASSERT_EQ( LW_OK,
-			lw_checker_prepare( checker.get(), i % 5 == 0 ? nullptr : Preparation::prepare, &preparation, nullptr ) );
+		ASSERT_EQ(
+		    LW_OK, lw_checker_prepare( checker.get(), i % 5 == 0 ? nullptr : Preparation::prepare, &preparation, nullptr ) );
 		const int made = counts.made;
 		ASSERT_EQ( LW_OK, lw_checker_prepare( checker.get(), nullptr, nullptr, nullptr ) );
 		EXPECT_EQ( made, counts.made ) << "the second time there is nothing left";
 		prepared += made > created;
 		shared += preparation.shapes;
 		unmade += std::any_of( lazy.shapes.begin(), lazy.shapes.end(),
-			[]( const ShapePtr& shape ) { return lw_shape_peek_info( shape.get() ).deferred; } );
+		    []( const ShapePtr& shape ) { return lw_shape_peek_info( shape.get() ).deferred; } );
 		QueryPtr query = coldQuery( checker.get() ), other_query = coldQuery( unprepared.get() );
 		for ( int k = 0; k < 8; ++k )
 		{

@@ -172,7 +172,7 @@ State groupState( SeededRng& rng, const World& world, double excess )
 
 /// Questions with one exact answer: alpha is 0. Then come the others.
 const lw_range exact_ranges[] = { { 0, inf, 0 }, { 0, 0.01, 0 }, { 0, 0.2, 0 }, { 0.01, 0.05, 0 }, { 0, 5e-324, 0 },
-	{ 0.02, std::nextafter( 0.02, 1.0 ), 0 } };
+    { 0.02, std::nextafter( 0.02, 1.0 ), 0 } };
 const lw_range wide_ranges[] = { { 0, inf, 0.3 }, { 0.01, 0.3, 0.3 } };
 
 void expectSame( const lw_clearance& plain, const lw_clearance& got, const char* which )
@@ -347,7 +347,7 @@ TEST( Hierarchy, ReachChangesAChecker )
 		bare.reach.reset();
 		bare.build();
 		lw_checker_info with = lw_checker_get_info( world.checker.get() ),
-						without = lw_checker_get_info( bare.checker.get() );
+		                without = lw_checker_get_info( bare.checker.get() );
 		EXPECT_EQ( with.self_pairs, without.self_pairs );
 		EXPECT_EQ( with.environment_pairs, without.environment_pairs );
 		EXPECT_EQ( with.static_environment.upper, without.static_environment.upper );
@@ -376,15 +376,15 @@ TEST( Hierarchy, OneQueryMixesUpTwoCheckers )
 		// a query must be large enough for both
 		const World& large = world.group.size() > other.group.size() ? world : other;
 		QueryPtr shared = makeQuery( large.checker.get(), false );
-		QueryPtr fresh[2] = { makeQueryWithoutReach( world.checker.get(), false ),
-			makeQueryWithoutReach( other.checker.get(), false ) };
+		QueryPtr fresh[2] = {
+		    makeQueryWithoutReach( world.checker.get(), false ), makeQueryWithoutReach( other.checker.get(), false ) };
 		for ( int k = 0; k < 10; ++k )
 		{
 			const World& asked = k % 2 == 0 ? world : other;
 			State q = groupState( rng, asked, 0 );
 			lw_state_result want = ask( asked, fresh[k % 2].get(), q, nullptr ), got;
 			lw_status status =
-				lw_checker_state( asked.checker.get(), shared.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &got );
+			    lw_checker_state( asked.checker.get(), shared.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &got );
 			if ( status == LW_OK ) // else it was too small
 			{
 				expectSame( want.environment, got.environment, "environment" );
@@ -469,27 +469,26 @@ TEST( Hierarchy, ReferenceOfTheGroupChangesAnAnswer )
 		{
 			continue; // no edges without variables
 		}
-		EXPECT_EQ( lw_checker_get_info( world.checker.get() ).hierarchy,
-			lw_checker_get_info( far.checker.get() ).hierarchy );
+		EXPECT_EQ(
+		    lw_checker_get_info( world.checker.get() ).hierarchy, lw_checker_get_info( far.checker.get() ).hierarchy );
 		for ( bool tables : { false, true } )
 		{
 			QueryPtr near_query =
-				tables ? makeQuery( world.checker.get() ) : makeQueryWithoutReach( world.checker.get(), false );
-			QueryPtr far_query =
-				tables ? makeQuery( far.checker.get() ) : makeQueryWithoutReach( far.checker.get(), false );
+			    tables ? makeQuery( world.checker.get() ) : makeQueryWithoutReach( world.checker.get(), false );
+			QueryPtr far_query = tables ? makeQuery( far.checker.get() ) : makeQueryWithoutReach( far.checker.get(), false );
 			for ( int k = 0; k < 10; ++k )
 			{
 				const State q = groupState( rng, world, 0 ), to = groupState( rng, world, 0 );
 				lw_state_result want = ask( world, near_query.get(), q, nullptr ),
-								got = ask( far, far_query.get(), q, nullptr );
+				                got = ask( far, far_query.get(), q, nullptr );
 				expectSame( want.environment, got.environment, "environment" );
 				expectSame( want.self, got.self, "self" );
 				const lw_edge_def def = lw_edge_def_default();
 				lw_edge_result edge, far_edge;
-				ASSERT_EQ( LW_OK,
-					lw_checker_edge( world.checker.get(), near_query.get(), q.data(), to.data(), &def, &edge ) );
-				ASSERT_EQ( LW_OK,
-					lw_checker_edge( far.checker.get(), far_query.get(), q.data(), to.data(), &def, &far_edge ) );
+				ASSERT_EQ(
+				    LW_OK, lw_checker_edge( world.checker.get(), near_query.get(), q.data(), to.data(), &def, &edge ) );
+				ASSERT_EQ(
+				    LW_OK, lw_checker_edge( far.checker.get(), far_query.get(), q.data(), to.data(), &def, &far_edge ) );
 				EXPECT_EQ( edge.verdict, far_edge.verdict );
 			}
 			const lw_query_stats want = lw_query_get_stats( near_query.get() ), got = lw_query_get_stats( far_query.get() );
@@ -651,8 +650,8 @@ TEST( Hierarchy, DistantArmIsPosed )
 	const lw_range range = { 0, 0.5, 0 };
 	State q = groupState( rng, world, 0 );
 	lw_state_result out;
-	ASSERT_EQ( LW_OK,
-		lw_checker_state( world.checker.get(), query.get(), q.data(), LW_CHECK_ENVIRONMENT, &range, false, &out ) );
+	ASSERT_EQ(
+	    LW_OK, lw_checker_state( world.checker.get(), query.get(), q.data(), LW_CHECK_ENVIRONMENT, &range, false, &out ) );
 	EXPECT_EQ( out.environment.kind, LW_CLEARANCE_FAR );
 	EXPECT_EQ( lw_query_get_stats( query.get() ).robot_tests, 1u );
 	EXPECT_EQ( lw_query_get_stats( query.get() ).links_posed, 0u );
@@ -662,8 +661,8 @@ TEST( Hierarchy, DistantArmIsPosed )
 	lw_query* made = nullptr;
 	ASSERT_EQ( LW_OK, lw_query_create( &without, nullptr, world.checker.get(), nullptr, &made ) );
 	QueryPtr posing( made );
-	ASSERT_EQ( LW_OK,
-		lw_checker_state( world.checker.get(), posing.get(), q.data(), LW_CHECK_ENVIRONMENT, &range, false, &out ) );
+	ASSERT_EQ(
+	    LW_OK, lw_checker_state( world.checker.get(), posing.get(), q.data(), LW_CHECK_ENVIRONMENT, &range, false, &out ) );
 	EXPECT_EQ( out.environment.kind, LW_CLEARANCE_FAR );
 	EXPECT_GT( lw_query_get_stats( posing.get() ).links_posed, 0u );
 }
@@ -726,7 +725,7 @@ TEST( Hierarchy, ZeroQuaternionIsPosed )
 	State q = { 1, 2, 3, 0, 0, 0, 0 };
 	lw_state_result out;
 	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-		lw_checker_state( world.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
+	    lw_checker_state( world.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
 	EXPECT_EQ( out.verdict, LW_VERDICT_UNKNOWN );
 	q[6] = 1;
 	EXPECT_EQ( LW_OK, lw_checker_state( world.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &out ) );
@@ -767,16 +766,19 @@ TEST( HierarchyThread, ThreadsShareMoreThanTheyShould )
 	std::vector<std::thread> threads;
 	for ( int t = 0; t < 4; ++t )
 	{
-		threads.emplace_back( [&world, &states, &want, &wrong] {
-			QueryPtr query = makeQuery( world.checker.get() );
-			for ( std::size_t i = 0; i < states.size(); ++i )
-			{
-				lw_state_result got;
-				lw_checker_state( world.checker.get(), query.get(), states[i].data(), LW_CHECK_BOTH, nullptr, false, &got );
-				wrong += got.verdict != want[i].verdict || got.environment.kind != want[i].environment.kind ||
-						 got.self.kind != want[i].self.kind;
-			}
-		} );
+		threads.emplace_back(
+		    [&world, &states, &want, &wrong]
+		    {
+			    QueryPtr query = makeQuery( world.checker.get() );
+			    for ( std::size_t i = 0; i < states.size(); ++i )
+			    {
+				    lw_state_result got;
+				    lw_checker_state(
+				        world.checker.get(), query.get(), states[i].data(), LW_CHECK_BOTH, nullptr, false, &got );
+				    wrong += got.verdict != want[i].verdict || got.environment.kind != want[i].environment.kind ||
+				             got.self.kind != want[i].self.kind;
+			    }
+		    } );
 	}
 	for ( std::thread& thread : threads )
 	{

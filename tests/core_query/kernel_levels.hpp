@@ -25,7 +25,7 @@ inline std::vector<const lwi_kernels*> kernelLevels()
 
 /// Pairs of `count` <= 24 spheres in blocks that a kernel names, by every level the same. mask[sphere][block of later ones]
 inline std::vector<uint16_t> pairsByAllLevels( decltype( lwi_kernels::sphere_pairs ) lwi_kernels::*kernel,
-	const float* blocks, uint32_t count, const uint8_t mask[24][3], float limit )
+    const float* blocks, uint32_t count, const uint8_t mask[24][3], float limit )
 {
 	std::vector<uint16_t> first;
 	for ( const lwi_kernels* table : kernelLevels() )

@@ -49,7 +49,7 @@ void axes( SeededRng& rng, float n[3], float t[3] )
 	unit( rng, any );
 	lwi_third_axis( n, any, across );
 	const double length =
-		std::sqrt( double( across[0] ) * across[0] + double( across[1] ) * across[1] + double( across[2] ) * across[2] );
+	    std::sqrt( double( across[0] ) * across[0] + double( across[1] ) * across[1] + double( across[2] ) * across[2] );
 	for ( int axis = 0; axis < 3; ++axis )
 	{
 		t[axis] = static_cast<float>( across[axis] / length );
@@ -244,7 +244,7 @@ TEST( Kernels, LevelDiffersFromScalar )
 		{
 			std::vector<float> got = outputs( table, in );
 			ASSERT_EQ( 0, std::memcmp( want.data(), got.data(), want.size() * sizeof( float ) ) )
-				<< "level " << table->level << ", input " << i;
+			    << "level " << table->level << ", input " << i;
 		}
 	}
 }
@@ -290,12 +290,12 @@ TEST( Kernels, TurnsDifferFromOneAloneOrFromTheTruth )
 		{
 			int kind = rng.integer( 0, 9 );
 			angle = kind < 4   ? rng.uniform( -4, 4 )
-					: kind < 6 ? rng.integer( -9, 9 ) * 1.5707963267948966 +
-									 rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( -18, -1 ) )
-					: kind == 6 ? rng.integer( -9, 9 ) * 0.78539816339744831 + rng.uniform( -1e-15, 1e-15 )
-					: kind == 7 ? rng.uniform( -1, 1 ) * LWI_SINCOS_LARGEST
-					: kind == 8 ? rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( 5, 15 ) )
-								: rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( -300, 0 ) );
+			        : kind < 6 ? rng.integer( -9, 9 ) * 1.5707963267948966 +
+			                         rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( -18, -1 ) )
+			        : kind == 6 ? rng.integer( -9, 9 ) * 0.78539816339744831 + rng.uniform( -1e-15, 1e-15 )
+			        : kind == 7 ? rng.uniform( -1, 1 ) * LWI_SINCOS_LARGEST
+			        : kind == 8 ? rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( 5, 15 ) )
+			                    : rng.uniform( -1, 1 ) * std::pow( 10.0, rng.integer( -300, 0 ) );
 		}
 		for ( const lwi_kernels* table : kernelLevels() )
 		{
@@ -305,9 +305,9 @@ TEST( Kernels, TurnsDifferFromOneAloneOrFromTheTruth )
 			{
 				lwi_sincos alone = lwi_sincos_of( angles[k] );
 				ASSERT_EQ( 0, std::memcmp( &alone.c, &cosine[k], sizeof( double ) ) )
-					<< "level " << table->level << " at " << angles[k];
+				    << "level " << table->level << " at " << angles[k];
 				ASSERT_EQ( 0, std::memcmp( &alone.s, &sine[k], sizeof( double ) ) )
-					<< "level " << table->level << " at " << angles[k];
+				    << "level " << table->level << " at " << angles[k];
 			}
 		}
 		for ( uint32_t k = 0; k < count; ++k )
@@ -421,7 +421,7 @@ TEST( Kernels, BoxIsBelowAPlaneThatItReaches )
 	for ( int i = 0; i < 3000; ++i )
 	{
 		const double scale = rng.decade( -4, 4 ), q[4] = { rng.normal(), rng.normal(), rng.normal(), rng.normal() },
-					 at[3] = { 0, 0, 0 };
+		             at[3] = { 0, 0, 0 };
 		lw_transform turn;
 		ASSERT_EQ( LW_OK, lw_transform_from_quaternion( at, q, &turn ) );
 		lwi_planes8 planes;
@@ -445,8 +445,8 @@ TEST( Kernels, BoxIsBelowAPlaneThatItReaches )
 		const uint32_t count = sheared.count;
 		const double slack = 16 * 0x1p-24 * sheared.far, need = rng.uniform( 0, scale ), hope = rng.uniform( 0, scale );
 		float room[8];
-		const uint32_t clear = lwi_kernels_scalar.planes_clear( &planes, r, boxes, count, static_cast<float>( need ),
-			static_cast<float>( hope ), room );
+		const uint32_t clear = lwi_kernels_scalar.planes_clear(
+		    &planes, r, boxes, count, static_cast<float>( need ), static_cast<float>( hope ), room );
 		for ( int lane = 0; lane < 8; ++lane )
 		{
 			double least, most;
@@ -466,7 +466,7 @@ TEST( Kernels, BoxIsBelowAPlaneThatItReaches )
 		{
 			float other[8];
 			ASSERT_EQ( clear, table->planes_clear( &planes, r, boxes, count, static_cast<float>( need ),
-								  static_cast<float>( hope ), other ) );
+			                      static_cast<float>( hope ), other ) );
 			ASSERT_EQ( 0, std::memcmp( room, other, sizeof( room ) ) ) << "level " << table->level;
 		}
 	}
@@ -507,11 +507,11 @@ TEST( Kernels, NearSpheresAreLeftOut )
 				for ( int axis = 0; axis < 3; ++axis )
 				{
 					const double d = static_cast<double>( blocks[a / 8][axis][a % 8] ) -
-									 static_cast<double>( blocks[b / 8][axis][b % 8] );
+					                 static_cast<double>( blocks[b / 8][axis][b % 8] );
 					square += d * d;
 				}
 				const double gap = std::sqrt( square ) - static_cast<double>( blocks[a / 8][3][a % 8] ) -
-								   static_cast<double>( blocks[b / 8][3][b % 8] );
+				                   static_cast<double>( blocks[b / 8][3][b % 8] );
 				const bool asked = ( mask[a][b / 8] >> b % 8 & 1 ) != 0;
 				const bool named = std::find( first.begin(), first.end(), 256 * a + b ) != first.end();
 				ASSERT_TRUE( asked || !named );
@@ -604,9 +604,9 @@ TEST( Kernels, SolidGapExceedsDistance )
 		float gap[8];
 		lwi_kernels_scalar.node_primitive_gap( &in.node, &in.motion, &in.primitive, INFINITY, gap );
 		lwi_convex solid = {};
-		solid.type = in.primitive.type == LW_SHAPE_BOX		? LWI_CONVEX_BOX
-					 : in.primitive.type == LW_SHAPE_CONE ? LWI_CONVEX_CONE
-														: LWI_CONVEX_CYLINDER;
+		solid.type = in.primitive.type == LW_SHAPE_BOX    ? LWI_CONVEX_BOX
+		             : in.primitive.type == LW_SHAPE_CONE ? LWI_CONVEX_CONE
+		                                                  : LWI_CONVEX_CYLINDER;
 		for ( int axis = 0; axis < 3; ++axis )
 		{
 			solid.size[axis] = in.primitive.size[axis];
@@ -623,7 +623,7 @@ TEST( Kernels, SolidGapExceedsDistance )
 			lw_vec3 p = { m[0], m[1], m[2] }, closest;
 			double exact = lwi_convex_point_distance( &solid, p, &closest ) - double( in.node.r[lane] );
 			double size = 2 * largest( { p, { solid.size[0], solid.size[1], solid.size[2] }, { c[0], c[1], c[2] } } ) +
-						  in.node.r[lane];
+			              in.node.r[lane];
 			seen.add( gap[lane], exact, size );
 		}
 	}
@@ -637,7 +637,7 @@ TEST( Kernels, ObbGapExceedsDistance )
 {
 	SeededRng rng;
 	const auto farthest =
-		[]( const float axis[3][3], const float low[3], const float high[3], double r, const double u[3], double out[3] )
+	    []( const float axis[3][3], const float low[3], const float high[3], double r, const double u[3], double out[3] )
 	{
 		const bool is_sphere = low[0] <= -r;
 		for ( int k = 0; k < 3; ++k )
@@ -743,8 +743,8 @@ TEST( Kernels, LeafPrimitiveGapExceedsDistance )
 			}
 			double exact = lwi_convex_distance( &solid, &triangle, &place, INFINITY, 0 ).upper;
 			double size =
-				2 * largest( { triangle.vertex[0], triangle.vertex[1], triangle.vertex[2] } ) +
-				largest( { { solid.size[0], solid.size[1], solid.size[2] }, { place.t[0], place.t[1], place.t[2] } } );
+			    2 * largest( { triangle.vertex[0], triangle.vertex[1], triangle.vertex[2] } ) +
+			    largest( { { solid.size[0], solid.size[1], solid.size[2] }, { place.t[0], place.t[1], place.t[2] } } );
 			seen.add( gap[lane], exact, size );
 		}
 	}
@@ -756,7 +756,7 @@ TEST( Kernels, OverflowReadsAsFar )
 {
 	SeededRng rng;
 	for ( double scale :
-		{ 1e-30, 1e-20, 1e-12, 1e6, 1e9 } ) // shapes to 1e9 m (core/docs/numerics.md): beyond, gaps of some are infinite
+	    { 1e-30, 1e-20, 1e-12, 1e6, 1e9 } ) // shapes to 1e9 m (core/docs/numerics.md): beyond, gaps of some are infinite
 	{
 		for ( int i = 0; i < 200; ++i )
 		{
@@ -771,7 +771,7 @@ TEST( Kernels, OverflowReadsAsFar )
 				lw_vec3 tb[3] = { vertex( b.v, 0, lane ), vertex( b.v, 1, lane ), vertex( b.v, 2, lane ) };
 				double exact = lwi_tri_tri( ta, tb ).distance;
 				EXPECT_FALSE( gap[lane] > exact + 1e-4 * scale )
-					<< "scale " << scale << " gap " << gap[lane] << " exact " << exact;
+				    << "scale " << scale << " gap " << gap[lane] << " exact " << exact;
 			}
 		}
 	}

@@ -31,7 +31,7 @@ struct EdgeTally
 };
 
 void judgeEdge( const World& world, Oracle& oracle, const lw_checker* checker, lw_query* query, const State& a,
-	const State& b, const lw_edge_def& def, EdgeTally& tally )
+    const State& b, const lw_edge_def& def, EdgeTally& tally )
 {
 	lw_edge_result r;
 	if ( lw_checker_edge( checker, query, a.data(), b.data(), &def, &r ) != LW_OK )
@@ -97,7 +97,7 @@ TEST( Margins, EdgeEntersAMargin )
 		}
 	}
 	std::printf( "%d free, %d nearly not, %d blocked, %d undecided, %d proved in part\n", tally.free, tally.nearly,
-		tally.blocked, tally.undecided, tally.partial );
+	    tally.blocked, tally.undecided, tally.partial );
 	EXPECT_GE( std::min( tally.free, tally.blocked ), 80 );
 	EXPECT_GE( std::min( tally.partial, tally.nearly ), 10 );
 }

@@ -11,7 +11,7 @@ struct Tally
 };
 
 void judgeState( const World& world, Oracle& oracle, const std::vector<std::pair<const lw_checker*, lw_query*>>& all,
-	const State& q, Tally& tally )
+    const State& q, Tally& tally )
 {
 	const Oracle::Answer truth = oracle.ask( q );
 	tally.inside += truth.inside;
@@ -64,12 +64,12 @@ TEST( Margins, StateIsNotDistanceLessMargin )
 		Oracle oracle( world );
 		// without a reach; with tables if there are any; with obstacles passed over
 		const CheckerPtr plain = world.build( nullptr, 1e9 ), tables = world.build( world.reach.get(), 1e9 ),
-						 less = world.build( world.reach.get(), i % 3 == 0 ? inf : 0.1 );
+		                 less = world.build( world.reach.get(), i % 3 == 0 ? inf : 0.1 );
 		const QueryPtr queries[] = { makeQuery( plain.get(), false ), makeQuery( tables.get() ),
-			makeQueryWithoutReach( tables.get() ), makeQuery( less.get() ), makeQuery( less.get(), false ) };
+		    makeQueryWithoutReach( tables.get() ), makeQuery( less.get() ), makeQuery( less.get(), false ) };
 		const std::vector<std::pair<const lw_checker*, lw_query*>> all = { { plain.get(), queries[0].get() },
-			{ tables.get(), queries[1].get() }, { tables.get(), queries[2].get() }, { less.get(), queries[3].get() },
-			{ less.get(), queries[4].get() } };
+		    { tables.get(), queries[1].get() }, { tables.get(), queries[2].get() }, { less.get(), queries[3].get() },
+		    { less.get(), queries[4].get() } };
 		for ( int k = 0; k < 12 && !HasFailure(); ++k )
 		{
 			SCOPED_TRACE( ::testing::Message() << "state " << k );
@@ -77,7 +77,7 @@ TEST( Margins, StateIsNotDistanceLessMargin )
 		}
 	}
 	std::printf( "%d near, %d far, %d violated; %d inside of a margin, %d nearest by their margin\n", tally.near, tally.far,
-		tally.violated, tally.inside, tally.by_margin );
+	    tally.violated, tally.inside, tally.by_margin );
 	EXPECT_GE( std::min( { tally.near, tally.far, tally.violated } ), 100 );
 	EXPECT_GE( tally.inside, 50 );
 	EXPECT_GE( tally.by_margin, 50 );
@@ -131,7 +131,7 @@ World stiffWorld( SeededRng& rng )
 	m.link.assign( links, 0 );
 	m.link[static_cast<std::size_t>( rng.integer( 0, links - 1 ) )] = rng.uniform( 0.2, 1 );
 	const uint32_t a = static_cast<uint32_t>( rng.integer( 0, 3 ) ),
-				   b = static_cast<uint32_t>( rng.integer( 4, links - 1 ) );
+	               b = static_cast<uint32_t>( rng.integer( 4, links - 1 ) );
 	m.self_pairs[{ a, b }] = rng.uniform( 0.6, 1.2 ) * 0.4 * ( b - a );
 	if ( rng.integer( 0, 1 ) != 0 )
 	{
@@ -158,7 +158,7 @@ TEST( Margins, PartOfARobotIsRuledOutByLessThanItsMargin )
 		for ( int k = 0; k < 4; ++k )
 		{
 			judgeState( world, oracle, { { plain.get(), one.get() }, { tables.get(), other.get() } },
-				groupState( rng, world, 0 ), tally );
+			    groupState( rng, world, 0 ), tally );
 		}
 	}
 	EXPECT_GE( std::min( { tally.near, tally.far, tally.violated } ), 50 );
@@ -228,7 +228,7 @@ TEST( Margins, EditKeepsAnOldMargin )
 				for ( const lw_range& range : { ranges[0], ranges[1], ranges[4] } )
 				{
 					const lw_state_result got = ask( edited.get(), one.get(), q, range ),
-										  want = ask( anew.get(), other.get(), q, range );
+					                      want = ask( anew.get(), other.get(), q, range );
 					EXPECT_EQ( want.verdict, got.verdict );
 					expectSame( want.environment, got.environment, "environment" );
 					expectSame( want.self, got.self, "self" );

@@ -29,7 +29,7 @@ TEST( Margins, ZerosChangeAnAnswer )
 		{
 			const State q = groupState( rng, world, 0 );
 			const lw_state_result a = ask( none.get(), one.get(), q, ranges[0] ),
-								  b = ask( zeros.get(), other.get(), q, ranges[0] );
+			                      b = ask( zeros.get(), other.get(), q, ranges[0] );
 			EXPECT_TRUE( sameBits( a.environment, b.environment ) );
 			EXPECT_TRUE( sameBits( a.self, b.self ) );
 		}
@@ -53,7 +53,7 @@ TEST( Margins, UniformMarginIsNotAShift )
 		{
 			const State q = groupState( rng, world, 0 );
 			const lw_state_result a = ask( none.get(), one.get(), q, ranges[0] ),
-								  b = ask( with.get(), other.get(), q, ranges[0] );
+			                      b = ask( with.get(), other.get(), q, ranges[0] );
 			for ( const auto& [bare, less] : { std::pair( a.environment, b.environment ), std::pair( a.self, b.self ) } )
 			{
 				if ( bare.upper < inf && bare.upper > margin )
@@ -99,7 +99,7 @@ TEST( Margins, MarginOfABallIsNotItsRadius )
 		const lw_state_result got = ask( checker.get(), query.get(), { 0 }, ranges[0] );
 		EXPECT_EQ( got.verdict, gap > 0.03 + 1e-9 ? LW_VERDICT_FREE : gap < 0.03 - 1e-9 ? LW_VERDICT_BLOCKED : got.verdict );
 		EXPECT_NEAR( got.environment.upper, std::max( gap, 0.0 ) - 0.03, 1e-12 )
-			<< "contact is as deep as the margin, no deeper";
+		    << "contact is as deep as the margin, no deeper";
 		EXPECT_EQ( got.environment.kind == LW_CLEARANCE_VIOLATION, got.environment.upper <= 0 );
 		EXPECT_EQ( lw_checker_environment_margin( checker.get(), 1, 0 ), 0.03 );
 		EXPECT_EQ( lw_checker_environment_margin( checker.get(), 1, 1 ), 0 ) << "no such object";

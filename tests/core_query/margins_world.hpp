@@ -58,15 +58,14 @@ struct Margins
 	{
 		auto found = pairs.find( { a, b } );
 		return found != pairs.end() ? found->second
-									: environment + ( link.empty() ? 0 : link[a] ) + ( object.empty() ? 0 : object[b] );
+		                            : environment + ( link.empty() ? 0 : link[a] ) + ( object.empty() ? 0 : object[b] );
 	}
 	double ofLinks( uint32_t a, uint32_t b ) const
 	{
 		auto found = self_pairs.find( { std::min( a, b ), std::max( a, b ) } );
-		return found != self_pairs.end()
-				   ? found->second
-				   : self + ( link_self.empty() ? 0 : link_self[std::min( a, b )] ) +
-						 ( link_self.empty() ? 0 : link_self[std::max( a, b )] );
+		return found != self_pairs.end() ? found->second
+		                                 : self + ( link_self.empty() ? 0 : link_self[std::min( a, b )] ) +
+		                                       ( link_self.empty() ? 0 : link_self[std::max( a, b )] );
 	}
 };
 
@@ -85,7 +84,7 @@ struct World
 	Margins margins;
 
 	lw_status build( CheckerPtr& out, lw_diag* diag, const lw_reach* with, double max_d = inf,
-		const lw_allocator* allocator = nullptr, const lw_checker* previous = nullptr )
+	    const lw_allocator* allocator = nullptr, const lw_checker* previous = nullptr )
 	{
 		const uint32_t none = 0;
 		lw_checker_def def = lw_checker_def_default();
@@ -222,7 +221,7 @@ inline World randomWorld( SeededRng& rng, bool with_reach )
 	for ( int i = world.objects > 0 ? rng.integer( 0, 3 ) : 0; i > 0; --i )
 	{
 		world.allowed.push_back( { static_cast<uint32_t>( rng.integer( 0, options.joints ) ),
-			static_cast<uint32_t>( rng.integer( 0, static_cast<int>( world.objects ) - 1 ) ) } );
+		    static_cast<uint32_t>( rng.integer( 0, static_cast<int>( world.objects ) - 1 ) ) } );
 	}
 	return world;
 }
@@ -288,7 +287,7 @@ public:
 	struct Answer
 	{
 		double environment = inf, self = inf;
-		bool inside = false;   ///< the nearest of all is closer than its margin, and not touching
+		bool inside = false;    ///< the nearest of all is closer than its margin, and not touching
 		bool by_margin = false; ///< without margins another pair would be the nearest
 	};
 
@@ -322,7 +321,7 @@ public:
 			for ( uint32_t k = 0; k < i; ++k )
 			{
 				const uint32_t a = lw_robot_body( m_world.robot.get(), i ).link,
-							   b = lw_robot_body( m_world.robot.get(), k ).link;
+				               b = lw_robot_body( m_world.robot.get(), k ).link;
 				if ( isSelfPair( a, b ) )
 				{
 					take( bodyDistance( i, k ), m_world.margins.ofLinks( a, b ), out.self );
@@ -386,13 +385,13 @@ private:
 	double obstacleDistance( uint32_t body, uint32_t shape )
 	{
 		const lw_scene_shape_def& obstacle = m_world.placed[shape];
-		return distance( lw_robot_body( m_world.robot.get(), body ).shape, bodyPose( body ), obstacle.shape,
-			obstacle.world_from_shape );
+		return distance(
+		    lw_robot_body( m_world.robot.get(), body ).shape, bodyPose( body ), obstacle.shape, obstacle.world_from_shape );
 	}
 	double bodyDistance( uint32_t a, uint32_t b )
 	{
 		return distance( lw_robot_body( m_world.robot.get(), a ).shape, bodyPose( a ),
-			lw_robot_body( m_world.robot.get(), b ).shape, bodyPose( b ) );
+		    lw_robot_body( m_world.robot.get(), b ).shape, bodyPose( b ) );
 	}
 	/// Joints above a link that the group moves.
 	std::set<uint32_t> movers( uint32_t link ) const
@@ -437,7 +436,7 @@ private:
 inline void judge( const lw_clearance& got, double truth, const lw_range& range, double lowest, const char* which )
 {
 	SCOPED_TRACE( ::testing::Message() << which << ": truth " << truth << " in [" << got.lower << ", " << got.upper
-									   << "], kind " << got.kind << ", range " << range.min_d << ' ' << range.max_d );
+	                                   << "], kind " << got.kind << ", range " << range.min_d << ' ' << range.max_d );
 	EXPECT_LE( got.lower, truth + rounding );
 	if ( got.kind == LW_CLEARANCE_FAR )
 	{
@@ -449,17 +448,17 @@ inline void judge( const lw_clearance& got, double truth, const lw_range& range,
 	EXPECT_GE( got.lower, lowest );
 	switch ( got.kind )
 	{
-		case LW_CLEARANCE_NEAR:
-			EXPECT_GT( got.lower, range.min_d );
-			EXPECT_LT( got.lower, range.max_d );
-			EXPECT_LE( got.upper - got.lower, range.alpha * got.upper + rounding );
-			break;
-		case LW_CLEARANCE_VIOLATION:
-			EXPECT_LE( got.upper, range.min_d );
-			break;
-		default:
-			EXPECT_EQ( got.kind, LW_CLEARANCE_UNDECIDED );
-			EXPECT_NEAR( truth, range.min_d, rounding );
+	case LW_CLEARANCE_NEAR:
+		EXPECT_GT( got.lower, range.min_d );
+		EXPECT_LT( got.lower, range.max_d );
+		EXPECT_LE( got.upper - got.lower, range.alpha * got.upper + rounding );
+		break;
+	case LW_CLEARANCE_VIOLATION:
+		EXPECT_LE( got.upper, range.min_d );
+		break;
+	default:
+		EXPECT_EQ( got.kind, LW_CLEARANCE_UNDECIDED );
+		EXPECT_NEAR( truth, range.min_d, rounding );
 	}
 }
 
@@ -478,17 +477,17 @@ inline void judgeWitness( const World& world, const lw_checker* checker, const l
 {
 	if ( got.upper < inf )
 	{
-		const double length = std::hypot( got.point_a.x - got.point_b.x, got.point_a.y - got.point_b.y,
-			got.point_a.z - got.point_b.z );
+		const double length =
+		    std::hypot( got.point_a.x - got.point_b.x, got.point_a.y - got.point_b.y, got.point_a.z - got.point_b.z );
 		const double margin = self ? world.margins.ofLinks( got.a, got.b ) : world.margins.toObject( got.a, got.b );
 		EXPECT_EQ( margin, self ? lw_checker_self_margin( checker, got.a, got.b )
-								: lw_checker_environment_margin( checker, got.a, got.b ) );
+		                        : lw_checker_environment_margin( checker, got.a, got.b ) );
 		EXPECT_NEAR( length - margin, got.upper, rounding );
 	}
 }
 
-inline lw_state_result ask( const lw_checker* checker, lw_query* query, const State& q, const lw_range& range,
-	bool stop = false )
+inline lw_state_result ask(
+    const lw_checker* checker, lw_query* query, const State& q, const lw_range& range, bool stop = false )
 {
 	lw_state_result out;
 	EXPECT_EQ( LW_OK, lw_checker_state( checker, query, q.data(), LW_CHECK_BOTH, &range, stop, &out ) );
@@ -501,4 +500,4 @@ inline State groupState( SeededRng& rng, const World& world, double excess )
 }
 
 const lw_range ranges[] = { { 0, inf, 0 }, { 0, 0.05, 0 }, { 0, 0.3, 0 }, { 0.01, 0.1, 0 }, { 0, 5e-324, 0 },
-	{ 0.02, std::nextafter( 0.02, 1.0 ), 0 }, { 0, inf, 0.3 }, { 0.01, 0.4, 0.5 } };
+    { 0.02, std::nextafter( 0.02, 1.0 ), 0 }, { 0, inf, 0.3 }, { 0.01, 0.4, 0.5 } };

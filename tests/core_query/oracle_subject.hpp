@@ -12,9 +12,9 @@ namespace oracle
 {
 inline constexpr int type_count = 9;
 inline constexpr lw_shape_type types[type_count] = { LW_SHAPE_MESH, LW_SHAPE_POINTS, LW_SHAPE_BOX, LW_SHAPE_SPHERE,
-	LW_SHAPE_CYLINDER, LW_SHAPE_CAPSULE, LW_SHAPE_CONE, LW_SHAPE_SPHERES, LW_SHAPE_BOXES };
-inline constexpr const char* type_names[type_count] = { "mesh", "points", "box", "sphere", "cylinder", "capsule", "cone",
-	"spheres", "boxes" };
+    LW_SHAPE_CYLINDER, LW_SHAPE_CAPSULE, LW_SHAPE_CONE, LW_SHAPE_SPHERES, LW_SHAPE_BOXES };
+inline constexpr const char* type_names[type_count] = {
+    "mesh", "points", "box", "sphere", "cylinder", "capsule", "cone", "spheres", "boxes" };
 
 /// One sphere or box of a set: a model about its own centre.
 struct Part
@@ -32,8 +32,14 @@ struct Subject
 	std::vector<Part> parts; ///< of a set, else empty
 };
 
-inline bool is_set( const Subject& s ) { return s.type == LW_SHAPE_SPHERES || s.type == LW_SHAPE_BOXES; }
-inline std::size_t item_count( const Subject& s ) { return is_set( s ) ? s.parts.size() : s.model.count(); }
+inline bool is_set( const Subject& s )
+{
+	return s.type == LW_SHAPE_SPHERES || s.type == LW_SHAPE_BOXES;
+}
+inline std::size_t item_count( const Subject& s )
+{
+	return is_set( s ) ? s.parts.size() : s.model.count();
+}
 
 inline Vec random_point( SeededRng& rng, double size )
 {
@@ -131,8 +137,8 @@ inline void make_soup( SeededRng& rng, double size, Subject& out )
 	std::vector<double> points = rounded( out.model.points );
 	out.model.radius = rng.integer( 0, 3 ) == 0 ? 0 : size * rng.decade( -3, 0 );
 	lw_shape* shape = nullptr;
-	lw_status status = lw_shape_create_points( points.data(), static_cast<uint32_t>( count ), out.model.radius, nullptr,
-		nullptr, nullptr, &shape );
+	lw_status status = lw_shape_create_points(
+	    points.data(), static_cast<uint32_t>( count ), out.model.radius, nullptr, nullptr, nullptr, &shape );
 	ASSERT_EQ( LW_OK, status );
 	out.shape.reset( shape );
 }
@@ -179,7 +185,7 @@ inline void make_set( SeededRng& rng, double size, Subject& out )
 	lw_diag diag = {};
 	auto n = static_cast<uint32_t>( count );
 	lw_status status = spheres ? lw_shape_create_spheres( numbers.data(), n, nullptr, nullptr, &diag, &shape )
-							   : lw_shape_create_boxes( numbers.data(), n, nullptr, nullptr, &diag, &shape );
+	                           : lw_shape_create_boxes( numbers.data(), n, nullptr, nullptr, &diag, &shape );
 	ASSERT_EQ( LW_OK, status ) << diag.message;
 	ASSERT_EQ( LW_OK, lwi_shape_validate( shape, &diag ) ) << diag.message;
 	out.shape.reset( shape );
@@ -211,8 +217,8 @@ inline void make_primitive( SeededRng& rng, double size, Subject& out )
 		m.solid = { LWI_CONVEX_BOX, { 0.5 * d[0], 0.5 * d[1], 0.5 * d[2] }, {}, nullptr, 0 };
 		break;
 	default:
-		m.solid = { out.type == LW_SHAPE_CONE ? LWI_CONVEX_CONE : LWI_CONVEX_CYLINDER, { d[0], 0.5 * d[1], 0 }, {}, nullptr,
-			0 };
+		m.solid = {
+		    out.type == LW_SHAPE_CONE ? LWI_CONVEX_CONE : LWI_CONVEX_CYLINDER, { d[0], 0.5 * d[1], 0 }, {}, nullptr, 0 };
 	}
 	out.shape = makePrimitive( out.type, d[0], d[1], d[2] );
 }
@@ -304,8 +310,8 @@ inline std::vector<Part> parts_of( const Subject& s )
 }
 
 /// The least over all pairs of parts, nearest spheres first; both placed in a frame where a rests.
-inline Interval truth_of( const Subject& subject_a, const lw_transform& pose_a, const Subject& subject_b,
-	const lw_transform& pose_b, real scale )
+inline Interval truth_of(
+    const Subject& subject_a, const lw_transform& pose_a, const Subject& subject_b, const lw_transform& pose_b, real scale )
 {
 	if ( !is_set( subject_a ) && !is_set( subject_b ) )
 	{
@@ -328,8 +334,8 @@ inline Interval truth_of( const Subject& subject_a, const lw_transform& pose_a, 
 			candidates.push_back( { length( offset ) - x.model.size - y.model.size, &x, &y, offset } );
 		}
 	}
-	std::sort( candidates.begin(), candidates.end(),
-		[]( const Candidate& x, const Candidate& y ) { return x.gap < y.gap; } );
+	std::sort(
+	    candidates.begin(), candidates.end(), []( const Candidate& x, const Candidate& y ) { return x.gap < y.gap; } );
 	Interval best = { INFINITY, INFINITY };
 	for ( const Candidate& c : candidates )
 	{

@@ -272,7 +272,7 @@ TEST_P( ShapeOracle, EngineContradictsBruteForce )
 	Tally tally;
 	// meshes and boxes cost the oracle most: every edge against every box
 	const int count =
-		std::max( ta, tb ) == 8 && ( ta == 0 || ta == 2 || tb == 2 || ta == 8 ) ? pair_count() / 4 : pair_count();
+	    std::max( ta, tb ) == 8 && ( ta == 0 || ta == 2 || tb == 2 || ta == 8 ) ? pair_count() / 4 : pair_count();
 	for ( int i = 0; i < count; ++i )
 	{
 		one_pair( rng, i, ta, tb, query.get(), tally );
@@ -280,12 +280,12 @@ TEST_P( ShapeOracle, EngineContradictsBruteForce )
 		std::swap( ta, tb );
 	}
 	std::printf( "%d pairs: %d separated (%d close, %d distant), %d touching, %d overlapping, %d contained; %d with trees\n",
-		tally.pairs, tally.separated, tally.close, tally.distant, tally.touching, tally.overlapping, tally.contained,
-		tally.trees );
+	    tally.pairs, tally.separated, tally.close, tally.distant, tally.touching, tally.overlapping, tally.contained,
+	    tally.trees );
 	std::printf( "oracle within 1e-9: %d; ranges: %d near, %d far, %d violation, %d undecided\n", tally.decided,
-		tally.kinds[1], tally.kinds[2], tally.kinds[3], tally.kinds[4] );
+	    tally.kinds[1], tally.kinds[2], tally.kinds[3], tally.kinds[4] );
 	std::printf( "worst, of the scale: width %.2Lg, lower above oracle %.2Lg, upper below oracle %.2Lg, witness %.2Lg\n",
-		tally.width, tally.above, tally.below, tally.outside );
+	    tally.width, tally.above, tally.below, tally.outside );
 	EXPECT_GE( tally.separated, count / 4 );
 	EXPECT_GE( tally.close, count / 40 );
 	EXPECT_GE( tally.distant, count / 20 );
@@ -302,6 +302,5 @@ TEST_P( ShapeOracle, EngineContradictsBruteForce )
 	EXPECT_GE( tally.trees, any_tree ? count / 100 : 0 );
 }
 
-INSTANTIATE_TEST_SUITE_P( combinations, ShapeOracle, ::testing::ValuesIn( all_combinations() ), []( const auto& pair ) {
-	return std::string( type_names[pair.param.first] ) + "_" + type_names[pair.param.second];
-} );
+INSTANTIATE_TEST_SUITE_P( combinations, ShapeOracle, ::testing::ValuesIn( all_combinations() ),
+    []( const auto& pair ) { return std::string( type_names[pair.param.first] ) + "_" + type_names[pair.param.second]; } );

@@ -26,7 +26,7 @@ lw_shape* ball( int n, double radius, int raised = -1, double height = 0 )
 		{
 			const double theta = pi * i / n, phi = pi * j / n, r = i * 2 * n + j == raised ? radius + height : radius;
 			vertices.insert( vertices.end(), { r * std::sin( theta ) * std::cos( phi ),
-												 r * std::sin( theta ) * std::sin( phi ), r * std::cos( theta ) } );
+			                                     r * std::sin( theta ) * std::sin( phi ), r * std::cos( theta ) } );
 		}
 	}
 	const auto at = [n]( int i, int j ) { return static_cast<uint32_t>( i * 2 * n + j % ( 2 * n ) ); };
@@ -35,7 +35,7 @@ lw_shape* ball( int n, double radius, int raised = -1, double height = 0 )
 		for ( int j = 0; j < 2 * n; ++j )
 		{
 			indices.insert( indices.end(),
-				{ at( i, j ), at( i + 1, j ), at( i + 1, j + 1 ), at( i, j ), at( i + 1, j + 1 ), at( i, j + 1 ) } );
+			    { at( i, j ), at( i + 1, j ), at( i + 1, j + 1 ), at( i, j ), at( i + 1, j + 1 ), at( i, j + 1 ) } );
 		}
 	}
 	lw_mesh_def def = lw_mesh_def_default();
@@ -111,8 +111,8 @@ TEST( Order, FirstPairIsSearchedToItsEndBeforeANearerOne )
 	for ( int i = 0; i < 50; ++i )
 	{
 		const State q = { rng.uniform( -3, 3 ), rng.uniform( -0.01, 0.01 ) };
-		EXPECT_NEAR( all_pairs.state( q ).self.upper, selfClearance( checker.get(), query.get(), q ).upper,
-			ALL_PAIRS_ROUNDING );
+		EXPECT_NEAR(
+		    all_pairs.state( q ).self.upper, selfClearance( checker.get(), query.get(), q ).upper, ALL_PAIRS_ROUNDING );
 	}
 	const double leaves = static_cast<double>( lw_query_get_stats( query.get() ).leaf_tests ) / 50;
 	std::printf( "comparisons of leaves: %.0f within, %.0f beside, %.0f per state\n", leaves_within, leaves_beside, leaves );

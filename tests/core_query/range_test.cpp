@@ -18,30 +18,30 @@ ShapePtr anyShape( SeededRng& rng, double size )
 {
 	switch ( rng.integer( 0, 6 ) )
 	{
-		case 0:
-			return makePrimitive( LW_SHAPE_BOX, size, 0.5 * size, 1.5 * size );
-		case 1:
-			return makePrimitive( LW_SHAPE_SPHERE, size );
-		case 2:
-			return makePrimitive( LW_SHAPE_CYLINDER, 0.5 * size, size );
-		case 3:
-			return makePrimitive( LW_SHAPE_CAPSULE, 0.3 * size, size );
-		case 4:
-			return makePrimitive( LW_SHAPE_CONE, 0.5 * size, size );
-		case 5:
+	case 0:
+		return makePrimitive( LW_SHAPE_BOX, size, 0.5 * size, 1.5 * size );
+	case 1:
+		return makePrimitive( LW_SHAPE_SPHERE, size );
+	case 2:
+		return makePrimitive( LW_SHAPE_CYLINDER, 0.5 * size, size );
+	case 3:
+		return makePrimitive( LW_SHAPE_CAPSULE, 0.3 * size, size );
+	case 4:
+		return makePrimitive( LW_SHAPE_CONE, 0.5 * size, size );
+	case 5:
+	{
+		std::vector<double> points;
+		for ( int i = 0; i < 60; ++i )
 		{
-			std::vector<double> points;
-			for ( int i = 0; i < 60; ++i )
-			{
-				points.push_back( rng.uniform( -size, size ) );
-			}
-			lw_shape* shape = nullptr;
-			lw_tree_def tree = lw_tree_def_default();
-			EXPECT_EQ( LW_OK, lw_shape_create_points( points.data(), 20, 0.05 * size, &tree, nullptr, nullptr, &shape ) );
-			return ShapePtr( shape );
+			points.push_back( rng.uniform( -size, size ) );
 		}
-		default:
-			return randomSoup( rng, rng.integer( 1, 80 ), size );
+		lw_shape* shape = nullptr;
+		lw_tree_def tree = lw_tree_def_default();
+		EXPECT_EQ( LW_OK, lw_shape_create_points( points.data(), 20, 0.05 * size, &tree, nullptr, nullptr, &shape ) );
+		return ShapePtr( shape );
+	}
+	default:
+		return randomSoup( rng, rng.integer( 1, 80 ), size );
 	}
 }
 
@@ -65,7 +65,7 @@ TEST( Range, IntervalBreaksItsPromise )
 		lw_clearance exact, got;
 		ASSERT_EQ( LW_OK, lw_shape_distance( a.get(), &pose_a, b.get(), &pose_b, nullptr, query.get(), &exact ) );
 		double noise =
-			1e-9 * ( 1 + size ); // widest certified interval of the convex kernels, far below the tested differences
+		    1e-9 * ( 1 + size ); // widest certified interval of the convex kernels, far below the tested differences
 		ASSERT_LE( exact.lower, exact.upper );
 		ASSERT_LE( exact.upper - exact.lower, noise );
 		double min_d = rng.uniform( 0, 1 ) < 0.3 ? 0 : rng.decade( -3, 0.3 );
@@ -73,8 +73,8 @@ TEST( Range, IntervalBreaksItsPromise )
 		lw_range range = { min_d, max_d, rng.uniform( 0, 1 ) < 0.3 ? 0 : rng.uniform( 0, 0.9 ) };
 		ASSERT_EQ( LW_OK, lw_shape_distance( a.get(), &pose_a, b.get(), &pose_b, &range, query.get(), &got ) );
 		SCOPED_TRACE( ::testing::Message() << "case " << i << " exact [" << exact.lower << ", " << exact.upper << "] min_d "
-										   << min_d << " max_d " << max_d << " alpha " << range.alpha << " got ["
-										   << got.lower << ", " << got.upper << "] kind " << got.kind );
+		                                   << min_d << " max_d " << max_d << " alpha " << range.alpha << " got ["
+		                                   << got.lower << ", " << got.upper << "] kind " << got.kind );
 		ASSERT_LE( got.lower, exact.upper );
 		ASSERT_GE( got.upper, exact.lower );
 		if ( got.upper < inf )
@@ -83,26 +83,26 @@ TEST( Range, IntervalBreaksItsPromise )
 		}
 		switch ( got.kind )
 		{
-			case LW_CLEARANCE_FAR:
-				++far;
-				ASSERT_EQ( got.lower, max_d );
-				ASSERT_GE( exact.upper, max_d );
-				ASSERT_EQ( got.upper, inf );
-				break;
-			case LW_CLEARANCE_NEAR:
-				++near;
-				ASSERT_GT( got.lower, min_d );
-				ASSERT_LE( got.upper - got.lower, range.alpha * got.upper + noise );
-				ASSERT_LT( exact.lower, max_d );
-				break;
-			case LW_CLEARANCE_VIOLATION:
-				++violation;
-				ASSERT_LE( got.upper, min_d );
-				ASSERT_LE( exact.lower, min_d );
-				break;
-			default:
-				ASSERT_EQ( got.kind, LW_CLEARANCE_UNDECIDED );
-				ASSERT_NEAR( exact.upper, min_d, noise );
+		case LW_CLEARANCE_FAR:
+			++far;
+			ASSERT_EQ( got.lower, max_d );
+			ASSERT_GE( exact.upper, max_d );
+			ASSERT_EQ( got.upper, inf );
+			break;
+		case LW_CLEARANCE_NEAR:
+			++near;
+			ASSERT_GT( got.lower, min_d );
+			ASSERT_LE( got.upper - got.lower, range.alpha * got.upper + noise );
+			ASSERT_LT( exact.lower, max_d );
+			break;
+		case LW_CLEARANCE_VIOLATION:
+			++violation;
+			ASSERT_LE( got.upper, min_d );
+			ASSERT_LE( exact.lower, min_d );
+			break;
+		default:
+			ASSERT_EQ( got.kind, LW_CLEARANCE_UNDECIDED );
+			ASSERT_NEAR( exact.upper, min_d, noise );
 		}
 	}
 	std::printf( "far %d, near %d, violation %d\n", far, near, violation );
@@ -118,16 +118,16 @@ TEST( Range, BoxesAreHeldToBeFartherApartThanTheyAre )
 	for ( int i = 0; i < 20000; ++i )
 	{
 		double size = rng.decade( -1, 1 );
-		ShapePtr a = makePrimitive( LW_SHAPE_BOX, size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ),
-			size * rng.decade( -2, 0 ) );
-		ShapePtr b = makePrimitive( LW_SHAPE_BOX, size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ),
-			size * rng.decade( -2, 0 ) );
+		ShapePtr a = makePrimitive(
+		    LW_SHAPE_BOX, size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ) );
+		ShapePtr b = makePrimitive(
+		    LW_SHAPE_BOX, size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ), size * rng.decade( -2, 0 ) );
 		lw_transform pose_a = randomPose( rng, 0.5 * size ), pose_b = i % 4 == 0 ? pose_a : randomPose( rng, 0.5 * size );
 		if ( i % 4 == 0 ) // nearly parallel, the directions of pairs of edges are short
 		{
 			lw_transform turn = lw_transform_identity();
 			double angle[3] = { rng.decade( -12, -2 ), rng.decade( -12, -2 ), rng.decade( -12, -2 ) },
-				   shift[3] = { size, 0.1 * size, 0 };
+			       shift[3] = { size, 0.1 * size, 0 };
 			ASSERT_EQ( LW_OK, lw_transform_from_rpy( shift, angle, &turn ) );
 			pose_b = lw_transform_multiply( &pose_a, &turn );
 		}
@@ -165,7 +165,7 @@ TEST( Range, ASwitchChangesTheAnswer )
 	no_cache.transform_caching = false;
 	scalar.simd = LW_SIMD_SCALAR;
 	QueryPtr plain = makeQuery(), uncached = makeQuery( nullptr, nullptr, no_cache ),
-			 slow = makeQuery( nullptr, nullptr, scalar ), others = makeQuery();
+	         slow = makeQuery( nullptr, nullptr, scalar ), others = makeQuery();
 	for ( int i = 0; i < 1000; ++i )
 	{
 		lw_tree_def greedy = lw_tree_def_default(), compact = greedy, tiled = greedy;
@@ -231,7 +231,8 @@ TEST( Range, BadInputReadsAsFree )
 	QueryPtr query = makeQuery();
 	lw_transform good = lw_transform_identity(), bad = good;
 	lw_clearance out;
-	auto expect_cautious = [&]( lw_status status ) {
+	auto expect_cautious = [&]( lw_status status )
+	{
 		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, status );
 		EXPECT_EQ( out.lower, 0 );
 		EXPECT_EQ( out.upper, inf );
@@ -243,7 +244,7 @@ TEST( Range, BadInputReadsAsFree )
 	bad.r[0][0] = 2;
 	expect_cautious( lw_shape_distance( ball.get(), &bad, ball.get(), &good, nullptr, query.get(), &out ) );
 	for ( lw_range range : { lw_range{ -1, 1, 0 }, lw_range{ 0, 0, 0 }, lw_range{ NAN, 1, 0 }, lw_range{ 0, NAN, 0 },
-			  lw_range{ 0, 1, 1 }, lw_range{ 0, 1, -0.1 }, lw_range{ 0, 1, NAN }, lw_range{ inf, inf, 0 } } )
+	          lw_range{ 0, 1, 1 }, lw_range{ 0, 1, -0.1 }, lw_range{ 0, 1, NAN }, lw_range{ inf, inf, 0 } } )
 	{
 		expect_cautious( lw_shape_distance( ball.get(), &good, ball.get(), &good, &range, query.get(), &out ) );
 	}
@@ -262,10 +263,10 @@ TEST( Range, MeshesAreSurfacesAndPrimitivesAreSolids )
 	{
 		v.insert( v.end(), { ( i & 1 ) ? 2.0 : -2.0, ( i & 2 ) ? 2.0 : -2.0, ( i & 4 ) ? 2.0 : -2.0 } );
 	}
-	std::vector<uint32_t> t = { 0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1,
-		3, 7, 1, 7, 5 };
+	std::vector<uint32_t> t = {
+	    0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 3, 7, 1, 7, 5 };
 	ShapePtr shell = makeMesh( v, t ), ball = makePrimitive( LW_SHAPE_SPHERE, 0.5 ),
-			 box = makePrimitive( LW_SHAPE_BOX, 9, 9, 9 );
+	         box = makePrimitive( LW_SHAPE_BOX, 9, 9, 9 );
 	lw_clearance out;
 	lw_shape_distance( shell.get(), &still, ball.get(), &still, nullptr, query.get(), &out );
 	EXPECT_NEAR( out.upper, 1.5, 1e-12 );

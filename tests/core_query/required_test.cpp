@@ -7,8 +7,8 @@ namespace
 {
 
 /// The state at which a verdict blocks an edge is blocked.
-void expectBlocked( const World& world, const lw_checker* checker, lw_query* query, const State& q, const State& to,
-	double t, double min_d )
+void expectBlocked(
+    const World& world, const lw_checker* checker, lw_query* query, const State& q, const State& to, double t, double min_d )
 {
 	const lw_range range = lw_range_threshold( min_d );
 	State full_a( world.reference.size() ), full_b( full_a ), full_t( full_a ), at;
@@ -53,7 +53,7 @@ TEST( Required, LessChangesAnAnswer )
 			{
 				SCOPED_TRACE( ::testing::Message() << "min_d " << range.min_d << " max_d " << range.max_d );
 				lw_state_result want = ask( whole.get(), query.get(), q, range ),
-								got = ask( less.get(), other.get(), q, range );
+				                got = ask( less.get(), other.get(), q, range );
 				EXPECT_EQ( want.verdict, got.verdict );
 				expectSame( want.environment, got.environment, "environment" );
 				expectSame( want.self, got.self, "self" );
@@ -79,22 +79,22 @@ TEST( Required, LessChangesAnAnswer )
 					expectBlocked( world, whole.get(), query.get(), q, to, got.t, min_d );
 				}
 				EXPECT_NEAR( want.proved_until, got.proved_until,
-					0.25 ); // the last window that was proved may be a quarter of the edge
+				    0.25 ); // the last window that was proved may be a quarter of the edge
 			}
 		}
 		bool all_made = std::all_of( lazy.shapes.begin(), lazy.shapes.end(),
-			[]( const ShapePtr& shape ) { return !lw_shape_peek_info( shape.get() ).deferred; } );
+		    []( const ShapePtr& shape ) { return !lw_shape_peek_info( shape.get() ).deferred; } );
 		unmade += !all_made;
 		less.reset();
 		other.reset();
 		lazy_scene.reset();
 		lazy = World();
 		EXPECT_EQ( counts.released.load(),
-			static_cast<int>(
-				std::count_if( world.placed.begin(), world.placed.end(),
-					[]( const lw_scene_shape_def& s ) { return lw_shape_get_info( s.shape ).type == LW_SHAPE_MESH; } ) +
-				std::count_if( world.model.bodies.begin(), world.model.bodies.end(),
-					[]( const lw_body_def& b ) { return lw_shape_get_info( b.shape ).type == LW_SHAPE_MESH; } ) ) );
+		    static_cast<int>(
+		        std::count_if( world.placed.begin(), world.placed.end(),
+		            []( const lw_scene_shape_def& s ) { return lw_shape_get_info( s.shape ).type == LW_SHAPE_MESH; } ) +
+		        std::count_if( world.model.bodies.begin(), world.model.bodies.end(),
+		            []( const lw_body_def& b ) { return lw_shape_get_info( b.shape ).type == LW_SHAPE_MESH; } ) ) );
 	}
 	EXPECT_GE( std::min( free, blocked ), 200 );
 	EXPECT_GE( outside, 100 );
@@ -155,7 +155,7 @@ TEST( Required, ObstacleNearerThanProved )
 						}
 						uint32_t variable = lw_robot_joint_variable( world.robot.get(), leader );
 						moves = moves || ( share != 0 && std::find( world.group.begin(), world.group.end(), variable ) !=
-															 world.group.end() );
+						                                     world.group.end() );
 						link = lw_robot_joint_parent( world.robot.get(), joint );
 					}
 					if ( !moves )
@@ -165,7 +165,7 @@ TEST( Required, ObstacleNearerThanProved )
 					lw_transform pose = lw_transform_multiply( &poses[body.link], &body.link_from_shape );
 					lw_clearance clearance;
 					ASSERT_EQ( LW_OK, lw_shape_distance( body.shape, &pose, world.placed[s].shape,
-										  &world.placed[s].world_from_shape, nullptr, query.get(), &clearance ) );
+					                      &world.placed[s].world_from_shape, nullptr, query.get(), &clearance ) );
 					EXPECT_GE( clearance.upper, bound ) << "world " << i << " shape " << s << " body " << b;
 					least[s] = std::min( least[s], clearance.upper );
 				}
@@ -192,8 +192,10 @@ static World ballOnAChain( SeededRng& rng, double radius, lw_transform* link_fro
 	for ( int k = 0; k < joints; ++k )
 	{
 		lw_joint_def& joint = world.model.joint( "l" + std::to_string( k ),
-			k == 0 && drives ? LW_JOINT_PLANAR : k == 0 || rng.integer( 0, 3 ) > 0 ? LW_JOINT_REVOLUTE : LW_JOINT_PRISMATIC,
-			static_cast<uint32_t>( k ) );
+		    k == 0 && drives                    ? LW_JOINT_PLANAR
+		    : k == 0 || rng.integer( 0, 3 ) > 0 ? LW_JOINT_REVOLUTE
+		                                        : LW_JOINT_PRISMATIC,
+		    static_cast<uint32_t>( k ) );
 		joint.parent_from_joint = randomTransform( rng, 0.5 );
 		joint.lower = rng.uniform( -3, 0 );
 		joint.upper = joint.lower + rng.decade( -1, 0.8 );
@@ -218,8 +220,8 @@ static World ballOnAChain( SeededRng& rng, double radius, lw_transform* link_fro
 }
 
 /// An obstacle, a ball as well, in some direction from where the chain's ball is at q.
-static void placeBeside( SeededRng& rng, World& world, const lw_transform& link_from_ball, const State& q, double radius,
-	double gap )
+static void placeBeside(
+    SeededRng& rng, World& world, const lw_transform& link_from_ball, const State& q, double radius, double gap )
 {
 	std::vector<lw_transform> poses( lw_robot_link_count( world.robot.get() ) );
 	ASSERT_EQ( LW_OK, lw_robot_fk( world.robot.get(), q.data(), poses.data() ) );
@@ -269,10 +271,10 @@ TEST( Required, EdgeAsksForMoreThanItsCheckerWasTold )
 		{
 			lw_status status;
 			const lw_edge_result r = askEdge( checker.get(), query.get(), { rng.uniform( -2.9, -1 ) },
-				{ rng.uniform( 1, 2.9 ) }, LW_EDGE_CERTIFIED, factor * gap, status );
+			    { rng.uniform( 1, 2.9 ) }, LW_EDGE_CERTIFIED, factor * gap, status );
 			ASSERT_EQ( status, LW_OK );
 			EXPECT_TRUE( factor < 1 || r.verdict != LW_VERDICT_FREE )
-				<< "world " << i << ", gap " << gap << ", min_d " << factor * gap;
+			    << "world " << i << ", gap " << gap << ", min_d " << factor * gap;
 			free += r.verdict == LW_VERDICT_FREE;
 			beyond += factor > 1 && info.horizon < factor * gap;
 		}

@@ -123,13 +123,13 @@ struct Preparation
 		for ( unsigned t = 0; t < mine.threads; ++t )
 		{
 			threads.emplace_back(
-				[=, &mine]
-				{
-					for ( uint32_t i = t; i < count; i += mine.threads )
-					{
-						(void)lw_shape_complete( shapes[i], nullptr );
-					}
-				} );
+			    [=, &mine]
+			    {
+				    for ( uint32_t i = t; i < count; i += mine.threads )
+				    {
+					    (void)lw_shape_complete( shapes[i], nullptr );
+				    }
+			    } );
 		}
 		for ( std::thread& thread : threads )
 		{
@@ -139,7 +139,7 @@ struct Preparation
 };
 
 inline CheckerPtr makeChecker( const lw_robot* robot, const lw_scene* scene, const World& world, double max_d,
-	lw_status want = LW_OK, Preparation* preparation = nullptr )
+    lw_status want = LW_OK, Preparation* preparation = nullptr )
 {
 	const uint32_t none = 0;
 	lw_checker_def def = lw_checker_def_default();
@@ -193,9 +193,9 @@ inline World randomWorld( SeededRng& rng )
 	for ( int i = rng.integer( 1, 30 ); i > 0; --i )
 	{
 		world.shapes.emplace_back(
-			rng.integer( 0, 1 ) != 0 ? randomPrimitive( rng, 0.3, nullptr ) : randomMesh( rng, 20, 0.2, nullptr ) );
+		    rng.integer( 0, 1 ) != 0 ? randomPrimitive( rng, 0.3, nullptr ) : randomMesh( rng, 20, 0.2, nullptr ) );
 		world.placed.push_back(
-			{ world.shapes.back().get(), static_cast<uint32_t>( world.placed.size() ), randomTransform( rng, spread ) } );
+		    { world.shapes.back().get(), static_cast<uint32_t>( world.placed.size() ), randomTransform( rng, spread ) } );
 	}
 	return world;
 }
@@ -265,7 +265,7 @@ inline lw_state_result ask( const lw_checker* checker, lw_query* query, const St
 const lw_range ranges[] = { { 0, inf, 0 }, { 0, 0.05, 0 }, { 0, 0.3, 0 }, { 0.01, 0.1, 0 }, { 0, 5e-324, 0 } };
 
 inline lw_edge_result askEdge( const lw_checker* checker, lw_query* query, const State& a, const State& b,
-	lw_edge_method method, double min_d, lw_status& status )
+    lw_edge_method method, double min_d, lw_status& status )
 {
 	lw_edge_def def = lw_edge_def_default();
 	def.min_d = min_d;

@@ -23,14 +23,17 @@ double reach( const Model& m, Vec n, real radius )
 	}
 	if ( m.corners == 0 )
 	{
-		most = m.solid.type == LWI_CONVEX_BOX	 ? std::abs( n.x ) * s[0] + std::abs( n.y ) * s[1] + std::abs( n.z ) * s[2]
-			   : m.solid.type == LWI_CONVEX_CONE ? std::max( up, s[0] * across - up )
-												 : s[0] * across + std::abs( up );
+		most = m.solid.type == LWI_CONVEX_BOX    ? std::abs( n.x ) * s[0] + std::abs( n.y ) * s[1] + std::abs( n.z ) * s[2]
+		       : m.solid.type == LWI_CONVEX_CONE ? std::max( up, s[0] * across - up )
+		                                         : s[0] * across + std::abs( up );
 	}
 	return to_double( most + radius );
 }
 
-const lwi_kernels& kernels() { return *lwi_kernels_get( lw_simd_available() ); }
+const lwi_kernels& kernels()
+{
+	return *lwi_kernels_get( lw_simd_available() );
+}
 
 /// Shapes at their poses `at`, the first of which is the middle, made ready for a search.
 struct Ready
@@ -96,8 +99,8 @@ struct Moving
 			{
 				const bool ball = part.model.corners == 1;
 				const real radius = part.model.radius * ( ball ? length( along ) : 1 );
-				most = std::max( most,
-					::reach( part.model, along, radius ) + to_double( dot( n, pose.t ) + dot( along, part.center ) ) );
+				most = std::max(
+				    most, ::reach( part.model, along, radius ) + to_double( dot( n, pose.t ) + dot( along, part.center ) ) );
 			}
 		}
 		return most;
@@ -110,8 +113,8 @@ struct Moving
 		auto at = [&]( Vec v ) { return (real)reach( 1 / length( v ) * v ) * length( v ); };
 		const Vec unit = 1 / length_n * n;
 		return { ( at( unit + Vec{ h, 0, 0 } ) - at( unit - Vec{ h, 0, 0 } ) ) / ( 2 * h ),
-			( at( unit + Vec{ 0, h, 0 } ) - at( unit - Vec{ 0, h, 0 } ) ) / ( 2 * h ),
-			( at( unit + Vec{ 0, 0, h } ) - at( unit - Vec{ 0, 0, h } ) ) / ( 2 * h ) };
+		    ( at( unit + Vec{ 0, h, 0 } ) - at( unit - Vec{ 0, h, 0 } ) ) / ( 2 * h ),
+		    ( at( unit + Vec{ 0, 0, h } ) - at( unit - Vec{ 0, 0, h } ) ) / ( 2 * h ) };
 	}
 
 	double size() const
@@ -139,8 +142,8 @@ Moving random_moving( SeededRng& rng, double size, double far, bool moves )
 	{
 		m.places.count = 3;
 		const lw_vec3 axis = random_direction( rng );
-		const double q[4] = { axis.x * std::sin( turn ), axis.y * std::sin( turn ), axis.z * std::sin( turn ),
-			std::cos( turn ) };
+		const double q[4] = {
+		    axis.x * std::sin( turn ), axis.y * std::sin( turn ), axis.z * std::sin( turn ), std::cos( turn ) };
 		lw_transform move;
 		const lw_vec3 by = to_double( random_point( rng, step ) );
 		const double t[3] = { by.x, by.y, by.z };
@@ -155,7 +158,10 @@ Moving random_moving( SeededRng& rng, double size, double far, bool moves )
 	return m;
 }
 
-double gap( const Moving& a, const Moving& b, Vec n ) { return -b.reach( -1.0L * n ) - a.reach( n ); }
+double gap( const Moving& a, const Moving& b, Vec n )
+{
+	return -b.reach( -1.0L * n ) - a.reach( n );
+}
 
 /// The widest gap that steps towards the nearest points of the hulls pass by (Gilbert 1966), and its direction.
 double widest_gap( const Moving& a, const Moving& b, Vec* direction )
@@ -248,10 +254,10 @@ TEST( Separation, ExtremePointOutsideOfHull )
 			{
 				const auto& at = shape.extreme_points[j / LWI_WIDTH].at;
 				const uint32_t lane = j % LWI_WIDTH;
-				const Vec point = { at[0][lane] + shape.origin[0], at[1][lane] + shape.origin[1],
-					at[2][lane] + shape.origin[2] };
+				const Vec point = {
+				    at[0][lane] + shape.origin[0], at[1][lane] + shape.origin[1], at[2][lane] + shape.origin[2] };
 				ASSERT_LE( dot( n, point ), m.reach( n ) - dilation( m ) + slack )
-					<< type_names[m.subject.type == types[0] ? 0 : 1] << ", type " << m.subject.type << ", shape " << i;
+				    << type_names[m.subject.type == types[0] ? 0 : 1] << ", type " << m.subject.type << ", shape " << i;
 			}
 		}
 	}
@@ -269,16 +275,16 @@ TEST( Separation, NearIsNotNearOrApartIsNotApart )
 		const double widest = widest_gap( a, b, &best ), size = a.size() + b.size();
 		const double shares[6] = { 0.1, 0.5, 0.9, 0.99, 1.01, 1.5 };
 		const double limit =
-			widest > 0 ? widest * shares[rng.integer( 0, 5 )] : rng.integer( 0, 1 ) * size * rng.decade( -4, -1 );
+		    widest > 0 ? widest * shares[rng.integer( 0, 5 )] : rng.integer( 0, 1 ) * size * rng.decade( -4, -1 );
 		const lw_vec3 start = random_direction( rng );
 		float direction[3] = { static_cast<float>( start.x ), static_cast<float>( start.y ), static_cast<float>( start.z ) };
 		lwi_swept_plane plane = {};
 		Ready ready_a( a.places ), ready_b( b.places );
 		const lwi_separation result =
-			lwi_separate_swept( &kernels(), &ready_a.poses, &ready_b.poses, limit, direction, &plane );
+		    lwi_separate_swept( &kernels(), &ready_a.poses, &ready_b.poses, limit, direction, &plane );
 		const bool is_apart = result == LWI_APART, is_near = result == LWI_NEAR || result == LWI_MEET;
 		const std::string what = "pair " + std::to_string( i ) + ", types " + std::to_string( a.subject.type ) + " " +
-								 std::to_string( b.subject.type ) + ", widest " + std::to_string( widest / size );
+		                         std::to_string( b.subject.type ) + ", widest " + std::to_string( widest / size );
 		apart += is_apart;
 		near += is_near;
 		if ( is_apart )
@@ -286,9 +292,10 @@ TEST( Separation, NearIsNotNearOrApartIsNotApart )
 			const Vec n = direction_of( b, plane );
 			ASSERT_GE( gap( a, b, n ), limit ) << what;
 			const lw_vec3 origin =
-				to_double( pose_from( b.places.at[0] ).apply( from( lwi_load( b.places.shape->origin ) ) ) );
+			    to_double( pose_from( b.places.at[0] ).apply( from( lwi_load( b.places.shape->origin ) ) ) );
 			ASSERT_GE( (double)plane.reach_b + 16 * u * size,
-				b.reach( -1.0L * n ) - dilation( b ) + to_double( dot( n, from( origin ) ) ) ) << what;
+			    b.reach( -1.0L * n ) - dilation( b ) + to_double( dot( n, from( origin ) ) ) )
+			    << what;
 		}
 		const double rounding = ( limit + dilation( a ) + dilation( b ) ) * 0x1p-20 + 128 * u * size;
 		if ( is_near )
@@ -333,7 +340,7 @@ TEST( Separation, TwoShapesAreNearerThanTheirPlaneSays )
 			++apart;
 			const Vec n = direction_of( b, { { direction[0], direction[1], direction[2] }, 0 } );
 			ASSERT_GE( gap( a, b, n ) + dilation( a ) + dilation( b ), limit - rounding )
-				<< "pair " << i << ", types " << a.subject.type << " " << b.subject.type;
+			    << "pair " << i << ", types " << a.subject.type << " " << b.subject.type;
 		}
 		if ( widest >= limit + rounding )
 		{

@@ -41,15 +41,20 @@ inline Pose relative( const lw_transform& world_from_a, const lw_transform& worl
 	Pose out;
 	for ( int j = 0; j < 3; ++j )
 	{
-		out.column[j] =
-			unrotate( world_from_a, { world_from_b.r[0][j], world_from_b.r[1][j], world_from_b.r[2][j] } );
+		out.column[j] = unrotate( world_from_a, { world_from_b.r[0][j], world_from_b.r[1][j], world_from_b.r[2][j] } );
 	}
 	out.t = unrotate( world_from_a, offset( world_from_b ) - offset( world_from_a ) );
 	return out;
 }
 
-inline double to_double( real v ) { return static_cast<double>( v ); }
-inline lw_vec3 to_double( Vec v ) { return { to_double( v.x ), to_double( v.y ), to_double( v.z ) }; }
+inline double to_double( real v )
+{
+	return static_cast<double>( v );
+}
+inline lw_vec3 to_double( Vec v )
+{
+	return { to_double( v.x ), to_double( v.y ), to_double( v.z ) };
+}
 
 inline lw_transform to_transform( const Pose& p )
 {
@@ -119,7 +124,7 @@ struct Model
 	std::vector<Vec> points; ///< `corners` per piece
 	lwi_convex solid = {};   ///< the only piece if corners = 0
 	double radius = 0;
-	real size = 0;           ///< farthest point from the frame's origin, dilation included
+	real size = 0; ///< farthest point from the frame's origin, dilation included
 
 	std::size_t count() const { return corners == 0 ? 1 : points.size() / static_cast<std::size_t>( corners ); }
 
@@ -152,8 +157,8 @@ inline const Pose& still()
 }
 
 /// Lowers best to the least distance of an edge of `edges` and `other`.
-inline void over_edges( const std::vector<std::pair<Vec, Vec>>& edges, const Piece& other, const Pose& other_from_edges,
-	real& best )
+inline void over_edges(
+    const std::vector<std::pair<Vec, Vec>>& edges, const Piece& other, const Pose& other_from_edges, real& best )
 {
 	for ( const auto& edge : edges )
 	{
@@ -230,7 +235,7 @@ inline Interval piece_distance( const Piece& x, const Piece& y, const Pose& x_fr
 	else
 	{
 		lwi_convex triangle = { LWI_CONVEX_TRIANGLE, { 0, 0, 0 },
-			{ to_double( y.v[0] ), to_double( y.v[1] ), to_double( y.v[2] ) }, nullptr, 0 };
+		    { to_double( y.v[0] ), to_double( y.v[1] ), to_double( y.v[2] ) }, nullptr, 0 };
 		lw_transform m = y.corners == 0 ? to_transform( x_from_y ) : lw_transform_identity();
 		return distance( *x.solid, y.corners == 0 ? *y.solid : triangle, m, 1e-11L * scale, 800, enough );
 	}
@@ -238,8 +243,8 @@ inline Interval piece_distance( const Piece& x, const Piece& y, const Pose& x_fr
 }
 
 /// Distance of two shapes, in the frame of a if that is a solid or neither is.
-inline Interval shape_distance( const Model& a, const lw_transform& pose_a, const Model& b, const lw_transform& pose_b,
-	real scale )
+inline Interval shape_distance(
+    const Model& a, const lw_transform& pose_a, const Model& b, const lw_transform& pose_b, real scale )
 {
 	if ( b.corners == 0 && a.corners != 0 )
 	{
@@ -260,9 +265,8 @@ inline Interval shape_distance( const Model& a, const lw_transform& pose_a, cons
 		real gap;
 		const Piece *x, *y;
 	};
-	auto apart = [&]( const Piece& p, const Piece& q ) {
-		return length( ( q.corners == 0 ? a_from_b.t : q.center ) - p.center );
-	};
+	auto apart = [&]( const Piece& p, const Piece& q )
+	{ return length( ( q.corners == 0 ? a_from_b.t : q.center ) - p.center ); };
 	real least = INFINITY; // some pair is not farther than this
 	for ( const Piece& p : x )
 	{

@@ -24,7 +24,7 @@ struct Surface
 Surface ball( SeededRng& rng, double uneven )
 {
 	const uint32_t columns = static_cast<uint32_t>( rng.integer( 3, 16 ) ),
-				   rows = static_cast<uint32_t>( rng.integer( 2, 8 ) );
+	               rows = static_cast<uint32_t>( rng.integer( 2, 8 ) );
 	Surface s;
 	for ( uint32_t i = 0; i <= rows; ++i )
 	{
@@ -32,7 +32,7 @@ Surface ball( SeededRng& rng, double uneven )
 		{
 			const double along = M_PI * i / rows, around = 2 * M_PI * j / columns, r = 1 + uneven * rng.uniform( -1, 1 );
 			s.vertices.insert( s.vertices.end(), { r * std::sin( along ) * std::cos( around ),
-													 r * std::sin( along ) * std::sin( around ), r * std::cos( along ) } );
+			                                         r * std::sin( along ) * std::sin( around ), r * std::cos( along ) } );
 		}
 	}
 	for ( uint32_t i = 0; i < rows; ++i )
@@ -84,7 +84,7 @@ TEST( SharedFeatures, AnswersDependOnTheOrderOfTriangles )
 		const double uneven = rng.integer( 0, 2 ) == 0 ? 0 : rng.decade( -4, -0.5 );
 		const Surface a = ball( rng, uneven ), b = ball( rng, uneven );
 		const ShapePtr first[2] = { shuffled( rng, a ), shuffled( rng, b ) },
-					   second[2] = { shuffled( rng, a ), shuffled( rng, b ) };
+		               second[2] = { shuffled( rng, a ), shuffled( rng, b ) };
 		for ( int k = 0; k < 6; ++k )
 		{
 			const lw_transform at = randomPose( rng, 1 );
@@ -96,7 +96,7 @@ TEST( SharedFeatures, AnswersDependOnTheOrderOfTriangles )
 			EXPECT_EQ( x.upper, y.upper ) << i << ' ' << k << " uneven " << uneven;
 			EXPECT_EQ( x.lower, y.lower ) << i << ' ' << k;
 			const double between =
-				std::hypot( x.point_a.x - x.point_b.x, x.point_a.y - x.point_b.y, x.point_a.z - x.point_b.z );
+			    std::hypot( x.point_a.x - x.point_b.x, x.point_a.y - x.point_b.y, x.point_a.z - x.point_b.z );
 			EXPECT_NEAR( between, x.upper, 1e-14 * ( 20 + x.upper ) );
 			apart += x.upper > 0 ? 1 : 0;
 		}

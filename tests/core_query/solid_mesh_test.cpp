@@ -126,7 +126,7 @@ Solid random_solid( SeededRng& rng, double size, bool shuffled, int most = 14 )
 			break;
 		default:
 			add_box( s, n / 3, { size * rng.uniform( 0.1, 1 ), size * rng.uniform( 0.1, 1 ), size * rng.uniform( 0.1, 1 ) },
-				center, random_turn( rng ) );
+			    center, random_turn( rng ) );
 		}
 	}
 	for ( std::size_t t = 0; t < s.count() && shuffled; ++t )
@@ -265,7 +265,7 @@ TEST( SolidMesh, InsideContradictsTheWindingNumber )
 			lw_clearance c;
 			bool first = rng.integer( 0, 1 ) == 0;
 			ASSERT_EQ( LW_OK, lw_shape_distance( first ? probe.get() : shape.get(), &id, first ? shape.get() : probe.get(),
-								  &id, nullptr, query.get(), &c ) );
+			                      &id, nullptr, query.get(), &c ) );
 			real surface = INFINITY;
 			for ( std::size_t t = 0; t < s.count(); ++t )
 			{
@@ -301,8 +301,8 @@ TEST( SolidMesh, PointsInLineWithCornersAreOnTheWrongSide )
 	{
 		box.vertices.push_back( { i & 1 ? 5.0L : -3.0L, i & 2 ? 2.0L : -7.0L, i & 4 ? 4.0L : 1.0L } );
 	}
-	static const std::size_t quads[6][4] = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 4, 6, 2 },
-		{ 1, 3, 7, 5 } };
+	static const std::size_t quads[6][4] = {
+	    { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 4, 6, 2 }, { 1, 3, 7, 5 } };
 	for ( const auto& q : quads )
 	{
 		add_face( box, q[0], q[1], q[2] );
@@ -323,7 +323,7 @@ TEST( SolidMesh, PointsInLineWithCornersAreOnTheWrongSide )
 			ASSERT_EQ( lwi_mesh_contains( shape.get(), p ), within ) << p.x << ' ' << p.y << ' ' << p.z;
 			inside += within;
 			in_line += !within &&
-					   ( p.x == low.x || p.x == high.x || p.y == low.y || p.y == high.y || p.z == low.z || p.z == high.z );
+			           ( p.x == low.x || p.x == high.x || p.y == low.y || p.y == high.y || p.z == low.z || p.z == high.z );
 		}
 	}
 	EXPECT_GE( std::min( inside, in_line ), 1000 );
@@ -344,7 +344,7 @@ struct SolidPair
 	/// @param kind index of the other's type; -1: another solid, which may be inside or around
 	SolidPair( SeededRng& rng, int kind, double size, bool costly );
 
-	bool is_inside_the_solid() const; ///< some point of the other
+	bool is_inside_the_solid() const;  ///< some point of the other
 	bool is_inside_the_second() const; ///< some corner of the solid
 	real scale() const
 	{
@@ -408,10 +408,7 @@ TEST_P( SolidMeshPairs, DistanceContradictsBruteForce )
 	const bool costly = GetParam() <= 0 || types[std::max( 0, GetParam() )] == LW_SHAPE_BOXES;
 	const int rounds = GetParam() < 0 ? 80 : costly ? 60 : 300;
 	// how often solids lie within each other depends on the seed: as long as it takes, within reason
-	const auto is_enough = [&]
-	{
-		return within >= 5 && crossing + apart >= 10 && swallowed >= ( GetParam() < 0 ? 5 : 0 );
-	};
+	const auto is_enough = [&] { return within >= 5 && crossing + apart >= 10 && swallowed >= ( GetParam() < 0 ? 5 : 0 ); };
 	for ( int round = 0; round < rounds || ( round < 10 * rounds && !is_enough() ); ++round )
 	{
 		double size = rng.decade( -2, 2 );
@@ -439,10 +436,10 @@ TEST_P( SolidMeshPairs, DistanceContradictsBruteForce )
 		lw_range range = lw_range_exact();
 		range.max_d = rng.integer( 0, 2 ) == 0 ? to_double( scale ) * rng.decade( -4, 0 ) : inf;
 		ASSERT_EQ( LW_OK, lw_shape_distance( first ? mine : other, first ? &pair.pose_a : &pair.pose_b, first ? other : mine,
-							  first ? &pair.pose_b : &pair.pose_a, &range, query.get(), &c ) );
+		                      first ? &pair.pose_b : &pair.pose_a, &range, query.get(), &c ) );
 		::testing::Message story;
 		story << "round " << round << " scale " << scale << " oracle " << truth.lower << " " << truth.upper << " got "
-			  << c.lower << " " << c.upper << " inside " << inside << " around " << around;
+		      << c.lower << " " << c.upper << " inside " << inside << " around " << around;
 		SCOPED_TRACE( story );
 		ASSERT_LE( c.lower, truth.upper + 1e-15L * scale );
 		if ( c.kind == LW_CLEARANCE_FAR )
@@ -461,9 +458,8 @@ TEST_P( SolidMeshPairs, DistanceContradictsBruteForce )
 	EXPECT_TRUE( is_enough() );
 }
 
-INSTANTIATE_TEST_SUITE_P( types, SolidMeshPairs, ::testing::Range( -1, type_count ), []( const auto& one ) {
-	return std::string( one.param < 0 ? "solid" : type_names[one.param] );
-} );
+INSTANTIATE_TEST_SUITE_P( types, SolidMeshPairs, ::testing::Range( -1, type_count ),
+    []( const auto& one ) { return std::string( one.param < 0 ? "solid" : type_names[one.param] ); } );
 
 TEST( SolidMesh, OpenMeshIsTakenForClosed )
 {
@@ -477,8 +473,8 @@ TEST( SolidMesh, OpenMeshIsTakenForClosed )
 		{
 			continue; // a pole's: nobody misses it
 		}
-		s.indices.erase( s.indices.begin() + ( std::ptrdiff_t )( 3 * gone ),
-			s.indices.begin() + ( std::ptrdiff_t )( 3 * gone + 3 ) );
+		s.indices.erase(
+		    s.indices.begin() + ( std::ptrdiff_t )( 3 * gone ), s.indices.begin() + ( std::ptrdiff_t )( 3 * gone + 3 ) );
 		lw_diag diag = {};
 		ShapePtr shape;
 		EXPECT_EQ( LW_ERROR_BAD_GEOMETRY, make_solid( s, 1e-12, &diag, shape ) );
@@ -515,7 +511,8 @@ TEST( SolidMesh, SolidsThatShareAnEdgeOrCornerStayApart )
 	ASSERT_EQ( LW_OK, make_solid( s, 0, &diag, shape ) ) << diag.message;
 	QueryPtr query = makeQuery();
 	lw_transform id = lw_transform_identity();
-	auto touches = [&]( double x, double y ) {
+	auto touches = [&]( double x, double y )
+	{
 		lw_transform pose = at( x, y, 0.3 );
 		lw_clearance c;
 		EXPECT_EQ( LW_OK, lw_shape_distance( shape.get(), &id, ball.get(), &pose, nullptr, query.get(), &c ) );
@@ -566,7 +563,7 @@ TEST( SolidMesh, BoxesThatShareAWallLeaveNoGapAndReachNoFurther )
 			}
 			( truth ? inside : outside ) += 1;
 			ASSERT_EQ( lwi_mesh_contains( shape.get(), to_double( p ) ), truth )
-				<< "round " << round << ", " << to_double( p ).x << ' ' << to_double( p ).y << ' ' << to_double( p ).z;
+			    << "round " << round << ", " << to_double( p ).x << ' ' << to_double( p ).y << ' ' << to_double( p ).z;
 		}
 	}
 	EXPECT_GE( inside, 1000 );
@@ -655,8 +652,8 @@ TEST( SolidMesh, CheckerDrivesThroughASolid )
 		{
 			double truth = std::max( 0.0, std::abs( q ) - 1.1 );
 			lw_state_result state;
-			ASSERT_EQ( LW_OK,
-				lw_checker_state( slide.checker, query.get(), &q, LW_CHECK_ENVIRONMENT, nullptr, false, &state ) );
+			ASSERT_EQ(
+			    LW_OK, lw_checker_state( slide.checker, query.get(), &q, LW_CHECK_ENVIRONMENT, nullptr, false, &state ) );
 			ASSERT_NEAR( truth, state.environment.upper, 1e-13 ) << q;
 			ASSERT_LE( state.environment.lower, truth + 1e-15 ) << q;
 			double to = q + 0.01;

@@ -97,8 +97,8 @@ real distance_to_plane( const Subject& s, const Pose& plane_from_shape, bool two
 ShapePtr make_unbounded( bool two_sided )
 {
 	lw_shape* shape = nullptr;
-	EXPECT_EQ( LW_OK, lw_shape_create_primitive( two_sided ? LW_SHAPE_PLANE : LW_SHAPE_HALFSPACE, nullptr, nullptr, nullptr,
-						   &shape ) );
+	EXPECT_EQ( LW_OK,
+	    lw_shape_create_primitive( two_sided ? LW_SHAPE_PLANE : LW_SHAPE_HALFSPACE, nullptr, nullptr, nullptr, &shape ) );
 	return ShapePtr( shape );
 }
 } // namespace
@@ -163,8 +163,8 @@ TEST_P( Unbounded, DistanceContradictsTheHeightsOfPoints )
 		ASSERT_LE( c.upper - c.lower, 400 * roundoff * scale );
 		real world = length( offset( pose_s ) ) + length( offset( pose_p ) );
 		Vec on_plane = from( first ? c.point_a : c.point_b ), on_shape = from( first ? c.point_b : c.point_a );
-		ASSERT_NEAR( 0, to_double( length( on_plane - on_shape ) - c.upper ),
-			to_double( 64 * roundoff * ( scale + world ) ) );
+		ASSERT_NEAR(
+		    0, to_double( length( on_plane - on_shape ) - c.upper ), to_double( 64 * roundoff * ( scale + world ) ) );
 		real height = unrotate( pose_p, on_plane - offset( pose_p ) ).z;
 		ASSERT_LE( two_sided ? std::fabs( height ) : height, 64 * roundoff * ( scale + world ) );
 		( c.upper > 0 ? apart : touching ) += 1;
@@ -176,7 +176,7 @@ TEST_P( Unbounded, DistanceContradictsTheHeightsOfPoints )
 }
 
 INSTANTIATE_TEST_SUITE_P( types, Unbounded, ::testing::Range( 0, type_count ),
-	[]( const auto& one ) { return std::string( type_names[one.param] ); } );
+    []( const auto& one ) { return std::string( type_names[one.param] ); } );
 
 namespace
 {
@@ -257,7 +257,7 @@ TEST( UnboundedScenes, SceneDiffersFromItsPairs )
 			for ( const lw_scene_shape_def& one : shapes )
 			{
 				ASSERT_EQ( LW_OK, lw_shape_distance( probe.shape.get(), &pose, one.shape, &one.world_from_shape, nullptr,
-									  query.get(), &c ) );
+				                      query.get(), &c ) );
 				least = std::min( least, c.upper );
 			}
 			if ( i % 3 == 0 )
@@ -266,7 +266,7 @@ TEST( UnboundedScenes, SceneDiffersFromItsPairs )
 			}
 			lw_state_result state;
 			ASSERT_EQ( LW_OK,
-				lw_checker_state( flying.checker, query.get(), q.data(), LW_CHECK_ENVIRONMENT, &range, false, &state ) );
+			    lw_checker_state( flying.checker, query.get(), q.data(), LW_CHECK_ENVIRONMENT, &range, false, &state ) );
 			c = state.environment;
 			if ( least < range.max_d )
 			{
@@ -296,8 +296,8 @@ struct Arm : OneJoint
 	{
 		const double about_y[3] = { 0, 1, 0 };
 		lw_diag diag = {};
-		EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT,
-			makeRobot( floor.get(), at( 1, 0, 0 ), LW_JOINT_REVOLUTE, about_y, 3, &diag ) );
+		EXPECT_EQ(
+		    LW_ERROR_INVALID_ARGUMENT, makeRobot( floor.get(), at( 1, 0, 0 ), LW_JOINT_REVOLUTE, about_y, 3, &diag ) );
 		EXPECT_NE( nullptr, std::strstr( diag.message, "'arm'" ) ) << diag.message;
 		EXPECT_EQ( LW_OK, makeRobot( ball.get(), at( 1, 0, 0 ), LW_JOINT_REVOLUTE, about_y, 3, &diag ) );
 		makeChecker( floor.get(), at( 3, 4, -0.5 ) );

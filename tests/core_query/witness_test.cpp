@@ -91,19 +91,19 @@ TEST( Witness, SlabForgetsASpike )
 		above.r[1][1] = above.r[2][2] = -1;
 		above.t[2] = gap;
 		const ShapePtr upper = plate( n, rng.integer( 0, ( n + 1 ) * ( n + 1 ) - 1 ), h ),
-					   lower = floorOf( rng, kind, floor_in_world );
+		               lower = floorOf( rng, kind, floor_in_world );
 		const lw_transform world = randomPose( rng, rng.decade( -1, 1 ) );
 		const lw_transform pose_upper = compose( world, above ), pose_lower = compose( world, floor_in_world );
 		const double alpha = rng.integer( 0, 1 ) == 0 ? 0 : rng.uniform( 0, 0.5 );
 		const lw_range range = { 0, inf, alpha };
 		lw_clearance c;
 		const bool swap = rng.integer( 0, 1 ) == 0;
-		ASSERT_EQ( LW_OK,
-			swap ? lw_shape_distance( lower.get(), &pose_lower, upper.get(), &pose_upper, &range, query.get(), &c )
-				 : lw_shape_distance( upper.get(), &pose_upper, lower.get(), &pose_lower, &range, query.get(), &c ) );
+		ASSERT_EQ(
+		    LW_OK, swap ? lw_shape_distance( lower.get(), &pose_lower, upper.get(), &pose_upper, &range, query.get(), &c )
+		                : lw_shape_distance( upper.get(), &pose_upper, lower.get(), &pose_lower, &range, query.get(), &c ) );
 		const double truth = gap - std::max( h, 0.0 ), rounding = 1e-14 * ( 20 + gap );
 		EXPECT_LE( c.lower, truth + rounding )
-			<< i << " kind " << kind << " n " << n << " gap " << gap << " h " << h << " alpha " << alpha;
+		    << i << " kind " << kind << " n " << n << " gap " << gap << " h " << h << " alpha " << alpha;
 		EXPECT_GE( c.upper, truth - rounding ) << i << " kind " << kind;
 		const double curved = kind >= 2 ? 1e-9 : 0; // cylinders and cones are measured to 1e-10 of the extent
 		EXPECT_LE( c.upper - c.lower, alpha * c.upper + 100 * rounding + curved ) << i << " kind " << kind;
@@ -119,14 +119,14 @@ TEST( Witness, FacingFacesCostAllTheirPairs )
 	for ( const double gap : { 1e-3, 0.1, 1.0 } )
 	{
 		const lw_transform here = lw_transform_identity(), there = at( 0.003, 0.002, gap ),
-						   below = at( 0.003, 0.002, -0.5 - gap );
+		                   below = at( 0.003, 0.002, -0.5 - gap );
 		for ( const bool solid : { false, true } )
 		{
 			lw_query_reset( query.get() );
 			lw_query_reset_stats( query.get() );
 			lw_clearance c;
 			ASSERT_EQ( LW_OK, lw_shape_distance( a.get(), &here, solid ? box.get() : b.get(), solid ? &below : &there,
-								  nullptr, query.get(), &c ) );
+			                      nullptr, query.get(), &c ) );
 			EXPECT_NEAR( c.upper, gap, 1e-14 );
 			EXPECT_LE( c.upper - c.lower, 1e-13 );
 			const lw_query_stats stats = lw_query_get_stats( query.get() );

@@ -23,8 +23,8 @@ struct Grid
 	double lower[3], upper[3];
 	bool periodic[3];
 
-	explicit Grid( const lwi_grid& grid ) : from( &grid ), link_a( grid.link_a ), link_b( grid.link_b ),
-		dimension( grid.dimension )
+	explicit Grid( const lwi_grid& grid )
+	    : from( &grid ), link_a( grid.link_a ), link_b( grid.link_b ), dimension( grid.dimension )
 	{
 		for ( std::uint32_t i = 0; i < dimension; ++i )
 		{
@@ -58,8 +58,8 @@ void linksOfSlice( const lw_checker* checker, std::uint32_t slice, std::uint32_t
 		{
 			for ( std::uint32_t p = 0; p < tree->self.pair_count; ++p )
 			{
-				bool here =
-					tree->self.pairs[p].cluster_a == tree->body_cluster[a] && tree->self.pairs[p].cluster_b == tree->body_cluster[b];
+				bool here = tree->self.pairs[p].cluster_a == tree->body_cluster[a] &&
+				            tree->self.pairs[p].cluster_b == tree->body_cluster[b];
 				if ( here && lwi_checker_slice( tree, p, a, b ) == &tree->grids.slices[slice] )
 				{
 					*link_a = checker->base->bodies[a].link;
@@ -177,8 +177,8 @@ double attackCell( SeededRng& rng, PairAttacker& attacker, const Grid& grid, con
 struct RobotWithGrids
 {
 	RobotWithGrids( SeededRng& rng, int round )
-		: robot( randomRobotOf( rng, round ) ), reach( makeReach( robot.get(), 0.5, 50 ) ),
-		  attacker( reach.get(), rng.engine()() ), reference( attacker.randomState() )
+	    : robot( randomRobotOf( rng, round ) ), reach( makeReach( robot.get(), 0.5, 50 ) ),
+	      attacker( reach.get(), rng.engine()() ), reference( attacker.randomState() )
 	{
 	}
 
@@ -234,7 +234,7 @@ TEST( ClearanceGrids, NoStateIsNearerThanItsCellSays )
 		}
 	}
 	std::printf( "%d grids of %u, %u, %u variables; %d cells, %d within half, %d near\n", grids, dimensions[1],
-		dimensions[2], dimensions[3], cells, tight, near );
+	    dimensions[2], dimensions[3], cells, tight, near );
 	EXPECT_GE( grids, 30 );
 	EXPECT_GE( dimensions[1], 3u );
 	EXPECT_GE( dimensions[2], 5u );
@@ -264,8 +264,8 @@ TEST( ClearanceGrids, CheckersLookIntoTheRightCell )
 		{
 			std::uint32_t a = 0, b = 0, c = 0;
 			linksOfSlice( checker.get(), slice, &a, &b );
-			while ( !( world.reach->grids[c].link_a == std::max( a, b ) &&
-					   world.reach->grids[c].link_b == std::min( a, b ) ) )
+			while (
+			    !( world.reach->grids[c].link_a == std::max( a, b ) && world.reach->grids[c].link_b == std::min( a, b ) ) )
 			{
 				ASSERT_LT( ++c, world.reach->grid_count );
 			}
@@ -289,8 +289,7 @@ TEST( ClearanceGrids, CheckersLookIntoTheRightCell )
 					onBorder = onBorder || std::fabs( cell - std::round( cell ) ) < 1e-9L;
 					index[k] = static_cast<std::uint32_t>( std::min( std::floor( cell ), grid.cells[k] - 1.0L ) );
 				}
-				double says = grid.at( index ),
-					   got = sliceAt( checker.get(), slice, q.data() );
+				double says = grid.at( index ), got = sliceAt( checker.get(), slice, q.data() );
 				looked += !onBorder;
 				said += says > 0;
 				EXPECT_TRUE( onBorder || ( got <= says && got >= says * ( 1 - 1e-6 ) - 2e-9 ) ) << got << " " << says;
@@ -341,7 +340,8 @@ TEST( ClearanceGrids, NoStateOfAnEdgeSaysLessThanTheEdge )
 TEST( ClearanceGrids, SayMostOfTheTruth )
 {
 	RobotModel model;
-	auto ball = [&]( std::uint32_t link, double radius, double x, double z ) {
+	auto ball = [&]( std::uint32_t link, double radius, double x, double z )
+	{
 		double dimensions[3] = { radius, 0, 0 };
 		lw_shape* shape = nullptr;
 		ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, dimensions, nullptr, nullptr, &shape ), LW_OK );

@@ -131,7 +131,7 @@ TEST_P( MotionHullData, NoVertexLeavesHullOrSphere )
 			lw_reach_variable_range( reach, i, &low, &high );
 			bool limited = std::isfinite( low ) && std::isfinite( high );
 			q[i] = limited && s % 4 == 0 ? ( rng.integer( 0, 1 ) ? low : high )
-										 : rng.uniform( std::max( low, -9.0 ), std::min( high, 9.0 ) );
+			                             : rng.uniform( std::max( low, -9.0 ), std::min( high, 9.0 ) );
 		}
 		ASSERT_EQ( lw_robot_fk( robot.get(), q.data(), pose.data() ), LW_OK );
 		for ( std::uint32_t link = 0; link < links; ++link )
@@ -151,7 +151,7 @@ TEST_P( MotionHullData, NoVertexLeavesHullOrSphere )
 					bool hull = dot( p.n, &x.x ) <= p.reach + rounding || std::isinf( nodes[up].m.radius );
 					bool sphere = away( nodes[up].m, x ) <= nodes[up].m.radius + rounding;
 					EXPECT_TRUE( hull && sphere ) << lw_robot_link_name( robot.get(), link ) << " leaves M of "
-												  << lw_robot_link_name( robot.get(), up );
+					                              << lw_robot_link_name( robot.get(), up );
 				}
 			}
 		}
@@ -159,5 +159,5 @@ TEST_P( MotionHullData, NoVertexLeavesHullOrSphere )
 	lw_reach_release( reach );
 }
 
-INSTANTIATE_TEST_SUITE_P( Robots, MotionHullData,
-	testing::Values( "armar3/armar3.urdf", "mbm/fetch/fetch.urdf", "mbm/panda/panda.urdf" ) );
+INSTANTIATE_TEST_SUITE_P(
+    Robots, MotionHullData, testing::Values( "armar3/armar3.urdf", "mbm/fetch/fetch.urdf", "mbm/panda/panda.urdf" ) );

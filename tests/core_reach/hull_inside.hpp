@@ -62,8 +62,8 @@ private:
 };
 
 /// lwi_reduce_points()
-inline lw_status reducePoints( double* points, size_t* count, double tolerance, size_t max_points,
-	const lw_allocator* allocator, double* out_outside )
+inline lw_status reducePoints(
+    double* points, size_t* count, double tolerance, size_t max_points, const lw_allocator* allocator, double* out_outside )
 {
 	lw_allocator memory = lwi_allocator_or_default( allocator );
 	return lwi_reduce_points( points, count, tolerance, max_points, &memory, out_outside );

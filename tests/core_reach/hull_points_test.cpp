@@ -65,8 +65,8 @@ TEST( ReducePoints, DegenerateSets )
 		same.insert( same.end(), { 1, 2, 3 } );
 		line.insert( line.end(), { t, 2 * t, -t } );
 		square.insert( square.end(), { t, rng.uniform( 0, 1 ), 5 } );
-		cube.insert( cube.end(),
-			{ double( rng.integer( 0, 1 ) ), double( rng.integer( 0, 1 ) ), double( rng.integer( 0, 1 ) ) } );
+		cube.insert(
+		    cube.end(), { double( rng.integer( 0, 1 ) ), double( rng.integer( 0, 1 ) ), double( rng.integer( 0, 1 ) ) } );
 	}
 	for ( const std::vector<double>* points : { &one, &same, &line, &square, &cube } )
 	{

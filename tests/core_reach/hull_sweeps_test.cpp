@@ -17,7 +17,7 @@ TEST( MotionSweeps, TipsThatWereDroppedFaceEachOther )
 		facing = lw_transform_multiply( &turned, &facing );
 		const double tip = rng.decade( -3.5, -1.5 );
 		const std::uint32_t a = slidingArm( model, "l", lw_transform_identity(), turned, tip ),
-							b = slidingArm( model, "r", facing, turned, tip );
+		                    b = slidingArm( model, "r", facing, turned, tip );
 		RobotPtr robot = model.create();
 		ReachPtr reach = build( robot.get(), 0.15 );
 		HullSweeps sweeps( reach.get() );

@@ -14,16 +14,16 @@ double primitiveSupport( lw_shape_type type, const double* d, lw_vec3 n )
 	double across = std::hypot( n.x, n.y );
 	switch ( type )
 	{
-		case LW_SHAPE_BOX:
-			return 0.5 * ( d[0] * std::fabs( n.x ) + d[1] * std::fabs( n.y ) + d[2] * std::fabs( n.z ) );
-		case LW_SHAPE_SPHERE:
-			return d[0];
-		case LW_SHAPE_CYLINDER:
-			return d[0] * across + 0.5 * d[1] * std::fabs( n.z );
-		case LW_SHAPE_CAPSULE:
-			return d[0] + 0.5 * d[1] * std::fabs( n.z );
-		default:
-			return std::max( 0.5 * d[1] * n.z, d[0] * across - 0.5 * d[1] * n.z );
+	case LW_SHAPE_BOX:
+		return 0.5 * ( d[0] * std::fabs( n.x ) + d[1] * std::fabs( n.y ) + d[2] * std::fabs( n.z ) );
+	case LW_SHAPE_SPHERE:
+		return d[0];
+	case LW_SHAPE_CYLINDER:
+		return d[0] * across + 0.5 * d[1] * std::fabs( n.z );
+	case LW_SHAPE_CAPSULE:
+		return d[0] + 0.5 * d[1] * std::fabs( n.z );
+	default:
+		return std::max( 0.5 * d[1] * n.z, d[0] * across - 0.5 * d[1] * n.z );
 	}
 }
 
@@ -238,7 +238,8 @@ TEST( MotionHull, RangesAreLimitsWidened )
 	model.joint( "d", LW_JOINT_FLOATING, 3 );
 	RobotPtr robot = model.create();
 	ReachPtr reach = build( robot.get() );
-	auto expect = [&]( std::uint32_t variable, double low, double high ) {
+	auto expect = [&]( std::uint32_t variable, double low, double high )
+	{
 		double a, b;
 		lw_reach_variable_range( reach.get(), variable, &a, &b );
 		EXPECT_DOUBLE_EQ( a, low ) << variable;
@@ -295,11 +296,11 @@ lw_shape* denseBall( double radius, std::vector<lw_vec3>* points )
 		{
 			const double z = M_PI * i / across, angle = 2 * M_PI * ( k + 0.5 * i ) / around;
 			const lw_vec3 p = { radius * std::sin( z ) * std::cos( angle ), radius * std::sin( z ) * std::sin( angle ),
-				radius * std::cos( z ) };
+			    radius * std::cos( z ) };
 			points->push_back( p );
 			vertices.insert( vertices.end(), { p.x, p.y, p.z } );
 			const auto at = static_cast<std::uint32_t>( around * i + k ),
-					   next = static_cast<std::uint32_t>( around * i + ( k + 1 ) % around );
+			           next = static_cast<std::uint32_t>( around * i + ( k + 1 ) % around );
 			if ( i < across )
 			{
 				indices.insert( indices.end(), { at, next, at + around } );
@@ -321,7 +322,7 @@ TEST( MotionHull, PointsThatWereDroppedBelowAreHeldAbove )
 		model.link( "base" );
 		const lw_transform turned = randomTransform( rng, 0 );
 		slidingArm( model, "l", lw_transform_identity(), turned, rng.decade( -4.5, -1.5 ),
-			randomTransform( rng, 0 ) ); // the flattest are dropped of the mesh already
+		    randomTransform( rng, 0 ) ); // the flattest are dropped of the mesh already
 		RobotPtr robot = model.create();
 		ReachPtr reach = build( robot.get(), 0.15 );
 		const lw_vec3 n = { turned.r[0][0], turned.r[1][0], turned.r[2][0] };
@@ -387,7 +388,7 @@ TEST( MotionHull, SpheresHoldPointsThatWereDropped )
 					const double far = distance( of.mr.center, applyInverse( pose[node], world ) );
 					EXPECT_LE( far, of.mr.radius + rounding ) << "node " << node;
 					EXPECT_TRUE( node == 0 ||
-								 distance( of.m.center, applyInverse( pose[node - 1], world ) ) <= of.m.radius + rounding );
+					             distance( of.m.center, applyInverse( pose[node - 1], world ) ) <= of.m.radius + rounding );
 					farthest[node] = std::max( farthest[node], far );
 				}
 			}

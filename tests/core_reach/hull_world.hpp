@@ -33,7 +33,10 @@ inline lw_vec3 direction( SeededRng& rng )
 	return { x / l, y / l, z / l };
 }
 
-inline double dot( lw_vec3 a, lw_vec3 b ) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline double dot( lw_vec3 a, lw_vec3 b )
+{
+	return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 inline double support( const double* points, std::size_t count, lw_vec3 n )
 {
@@ -48,8 +51,8 @@ inline double support( const double* points, std::size_t count, lw_vec3 n )
 inline lw_vec3 apply( const lw_transform& m, lw_vec3 p )
 {
 	return { m.r[0][0] * p.x + m.r[0][1] * p.y + m.r[0][2] * p.z + m.t[0],
-		m.r[1][0] * p.x + m.r[1][1] * p.y + m.r[1][2] * p.z + m.t[1],
-		m.r[2][0] * p.x + m.r[2][1] * p.y + m.r[2][2] * p.z + m.t[2] };
+	    m.r[1][0] * p.x + m.r[1][1] * p.y + m.r[1][2] * p.z + m.t[1],
+	    m.r[2][0] * p.x + m.r[2][1] * p.y + m.r[2][2] * p.z + m.t[2] };
 }
 
 inline lw_vec3 applyInverse( const lw_transform& m, lw_vec3 p )
@@ -73,8 +76,8 @@ inline State coveredState( SeededRng& rng, const lw_reach* reach, bool corner )
 		double low, high;
 		lw_reach_variable_range( reach, i, &low, &high );
 		q[i] = std::isfinite( low ) && std::isfinite( high )
-				   ? ( corner ? ( rng.integer( 0, 1 ) ? low : high ) : rng.uniform( low, high ) )
-				   : rng.uniform( std::max( low, -9.0 ), std::min( high, 9.0 ) );
+		           ? ( corner ? ( rng.integer( 0, 1 ) ? low : high ) : rng.uniform( low, high ) )
+		           : rng.uniform( std::max( low, -9.0 ), std::min( high, 9.0 ) );
 	}
 	return q;
 }
@@ -134,7 +137,7 @@ inline std::vector<lw_vec3> linkPoints( const RobotModel& model, std::uint32_t l
 
 /// All points of all bodies at one state against the hulls and spheres of all nodes above them. @return bounded checks
 inline int expectContained( SeededRng& rng, const RobotModel& model, const lw_reach* reach, const Directions& d,
-	const State& q, const std::vector<std::vector<lw_vec3>>& points )
+    const State& q, const std::vector<std::vector<lw_vec3>>& points )
 {
 	const lw_robot* robot = lw_reach_robot( reach );
 	std::vector<lw_transform> pose( model.linkNames.size() );
@@ -145,8 +148,8 @@ inline int expectContained( SeededRng& rng, const RobotModel& model, const lw_re
 		for ( std::uint32_t node : chainUp( robot, link ) )
 		{
 			std::uint32_t joint = lw_robot_link_joint( robot, node );
-			lw_transform parent = joint == LW_INVALID_INDEX ? lw_transform_identity()
-															: pose[lw_robot_joint_parent( robot, joint )];
+			lw_transform parent =
+			    joint == LW_INVALID_INDEX ? lw_transform_identity() : pose[lw_robot_joint_parent( robot, joint )];
 			lw_reach_node n = lw_reach_get_node( reach, node );
 			std::size_t k = static_cast<std::size_t>( rng.integer( 0, static_cast<int>( d.all.size() ) - 1 ) );
 			for ( lw_vec3 p : points[link] )
@@ -173,8 +176,8 @@ inline int expectContained( SeededRng& rng, const RobotModel& model, const lw_re
 inline lw_shape* plateWithTip( double height, const lw_transform& turned, std::vector<lw_vec3>* points )
 {
 	std::vector<double> vertices = { 0, -0.2, -0.2, 0, 0.2, -0.2, 0, 0.2, 0.2, 0, -0.2, 0.2, height, 0, 0, -0.1, 0, 0 };
-	static const std::vector<std::uint32_t> indices = { 0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4, 1, 0, 5, 2, 1, 5, 3, 2, 5, 0, 3,
-		5 };
+	static const std::vector<std::uint32_t> indices = {
+	    0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4, 1, 0, 5, 2, 1, 5, 3, 2, 5, 0, 3, 5 };
 	for ( std::size_t i = 0; i < 18; i += 3 )
 	{
 		points->push_back( apply( turned, { vertices[i], vertices[i + 1], vertices[i + 2] } ) );
@@ -190,14 +193,14 @@ inline lw_shape* plateWithTip( double height, const lw_transform& turned, std::v
 /// @param turned where the plate's tip looks: not along an axis, whose farthest points are never dropped
 /// @param mesh how the plate stands in the frame of its mesh; where it is on the link does not depend on it
 inline std::uint32_t slidingArm( RobotModel& model, const std::string& name, const lw_transform& base,
-	const lw_transform& turned, double tip, const lw_transform& mesh = lw_transform_identity() )
+    const lw_transform& turned, double tip, const lw_transform& mesh = lw_transform_identity() )
 {
 	std::uint32_t link = 0;
 	for ( int i = 0; i < 3; ++i )
 	{
 		const bool turns = i > 0;
 		lw_joint_def& joint =
-			model.joint( name + std::to_string( i ), turns ? LW_JOINT_REVOLUTE : LW_JOINT_PRISMATIC, link );
+		    model.joint( name + std::to_string( i ), turns ? LW_JOINT_REVOLUTE : LW_JOINT_PRISMATIC, link );
 		joint.parent_from_joint = i == 0 ? base : lw_transform_identity();
 		for ( int k = 0; k < 3; ++k )
 		{

@@ -11,12 +11,12 @@ extern "C"
 {
 	struct lwi_motion_table;
 	lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_variables, const double* reference,
-		const lw_allocator* allocator, lw_diag* diag, lwi_motion_table** out_table );
+	    const lw_allocator* allocator, lw_diag* diag, lwi_motion_table** out_table );
 	void lwi_motion_table_destroy( lwi_motion_table* table );
 	void lwi_motion_cell( const lwi_motion_table* table, uint32_t body, const uint32_t* way, uint32_t count, uint32_t upward,
-		const double* center, const double* half_width, const lw_transform* poses, double rounding, double* lengths );
+	    const double* center, const double* half_width, const lw_transform* poses, double rounding, double* lengths );
 	double lwi_motion_box_rounding( const lwi_motion_table* table, uint32_t body, const uint32_t* way, uint32_t count,
-		const double* lower, const double* upper );
+	    const double* lower, const double* upper );
 }
 
 namespace
@@ -136,7 +136,7 @@ TEST( MotionCell, NoPointLeavesItsBound )
 			EXPECT_LT( rounding, 1e-9 );
 			std::vector<double> lengths( count + 1, 0.0 ), largest( count + 1, 0.0 );
 			lwi_motion_cell( table, body, way.joints.data(), count, way.upward, center.data(), half.data(), middle.data(),
-				rounding, lengths.data() );
+			    rounding, lengths.data() );
 			for ( int sample = 0; sample < 12; ++sample )
 			{
 				State q = center;
@@ -200,7 +200,7 @@ TEST( MotionCell, NoPointOfATelescopeLeavesItsBound )
 		const double rounding = lwi_motion_box_rounding( table, 0, way.joints.data(), count, center.data(), center.data() );
 		std::vector<double> lengths( count + 1, 0.0 );
 		lwi_motion_cell( table, 0, way.joints.data(), count, way.upward, center.data(), half.data(), middle.data(), rounding,
-			lengths.data() );
+		    lengths.data() );
 		double largest = 0;
 		for ( double end : { -1.0, 1.0 } )
 		{

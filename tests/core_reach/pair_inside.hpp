@@ -10,7 +10,7 @@
 /// Separation that subdivision proves for two links when it knows no distance but `first_guess`; 0 if it proves nothing.
 /// @param cells written: how many it took
 inline double subdivide( lw_reach* reach, uint32_t link_a, uint32_t link_b, double fraction, double first_guess,
-	uint64_t budget, uint64_t* cells )
+    uint64_t budget, uint64_t* cells )
 {
 	lw_reach_def def = lw_reach_def_default();
 	lwi_reach_job job = { &def, reach, nullptr, nullptr };
@@ -34,7 +34,7 @@ inline double subdivide( lw_reach* reach, uint32_t link_a, uint32_t link_b, doub
 		{
 			uint64_t before = effort.cells;
 			if ( lwi_pair_analyser_subdivide( analyser, &effort, some < budget ? some : budget, lwi_monotonic_seconds() + 60,
-					 &closest, q.data(), &outcome, &separation ) != LW_OK )
+			         &closest, q.data(), &outcome, &separation ) != LW_OK )
 			{
 				break;
 			}
@@ -47,8 +47,8 @@ inline double subdivide( lw_reach* reach, uint32_t link_a, uint32_t link_b, doub
 }
 
 /// Open cells of a proof after `budget` cells, that was interrupted after each `step` of them; and their volume.
-inline std::uint32_t openCells( lw_reach* reach, uint32_t link_a, uint32_t link_b, uint64_t budget, uint64_t step,
-	double* out_volume )
+inline std::uint32_t openCells(
+    lw_reach* reach, uint32_t link_a, uint32_t link_b, uint64_t budget, uint64_t step, double* out_volume )
 {
 	lw_reach_def def = lw_reach_def_default();
 	lwi_reach_job job = { &def, reach, nullptr, nullptr };
@@ -67,7 +67,7 @@ inline std::uint32_t openCells( lw_reach* reach, uint32_t link_a, uint32_t link_
 	for ( uint64_t some = step; outcome == LWI_PROOF_EXHAUSTED && effort.cells < budget; some += step )
 	{
 		lwi_pair_analyser_subdivide( analyser, &effort, some < budget ? some : budget, lwi_monotonic_seconds() + 60,
-			&closest, q.data(), &outcome, &separation );
+		    &closest, q.data(), &outcome, &separation );
 	}
 	uint32_t height = effort.height, n = analyser->variable_count;
 	for ( uint32_t k = 0; k < height; ++k )

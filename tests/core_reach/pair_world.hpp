@@ -21,7 +21,7 @@ inline void addBall( RobotModel& model, std::uint32_t link, double radius, doubl
 
 /// A joint about z (or along x, if prismatic) at x = offset of its parent.
 inline lw_joint_def& addJoint( RobotModel& model, const char* name, lw_joint_type type, std::uint32_t parent, double offset,
-	double lower, double upper )
+    double lower, double upper )
 {
 	lw_joint_def& joint = model.joint( name, type, parent );
 	joint.parent_from_joint = at( offset, 0, 0 );
@@ -102,8 +102,8 @@ inline RobotPtr randomSparseRobot( SeededRng& rng, bool floating )
 		model.allowed.push_back( { static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( last ) ) ), last } );
 	}
 	model.allowed.erase( std::remove_if( model.allowed.begin(), model.allowed.end(),
-							 []( const lw_link_pair& p ) { return p.link_a == p.link_b; } ),
-		model.allowed.end() );
+	                         []( const lw_link_pair& p ) { return p.link_a == p.link_b; } ),
+	    model.allowed.end() );
 	if ( rng.integer( 0, 1 ) == 0 )
 	{
 		model.renumberLinks( rng );

@@ -24,7 +24,7 @@ TEST( ReachPairs, WithoutATimeBudgetTheBuildRepeats )
 				EXPECT_EQ( x.contact_share, y.contact_share );
 				EXPECT_NE( x.proof, LW_PROOF_SUBDIVISION );
 				EXPECT_EQ( lw_reach_closest_state( first.get(), a, b, q1.data() ),
-					lw_reach_closest_state( second.get(), a, b, q2.data() ) );
+				    lw_reach_closest_state( second.get(), a, b, q2.data() ) );
 				EXPECT_EQ( q1, q2 );
 			}
 		}
@@ -39,17 +39,17 @@ void runOnThreads( void* user, void ( *task )( void*, std::uint32_t ), void* con
 	for ( std::uint32_t first = 0; first < 3; ++first )
 	{
 		threads.emplace_back(
-			[=]
-			{
-				for ( std::uint32_t i = first; i < count; i += 3 )
-				{
-					if ( i % 7 != 5 )
-					{
-						task( context, count - 1 - i );
-						task( context, i % 5 == 0 ? i : count + i );
-					}
-				}
-			} );
+		    [=]
+		    {
+			    for ( std::uint32_t i = first; i < count; i += 3 )
+			    {
+				    if ( i % 7 != 5 )
+				    {
+					    task( context, count - 1 - i );
+					    task( context, i % 5 == 0 ? i : count + i );
+				    }
+			    }
+		    } );
 	}
 	for ( std::thread& thread : threads )
 	{
@@ -91,8 +91,8 @@ TEST( ReachPairs, ThreadsChangeNothing )
 	EXPECT_GT( runs, 0 );
 }
 
-lw_reach* continued( const lw_reach* reach, double seconds, const lw_allocator* allocator = nullptr,
-	std::uint32_t samples = 200 )
+lw_reach* continued(
+    const lw_reach* reach, double seconds, const lw_allocator* allocator = nullptr, std::uint32_t samples = 200 )
 {
 	lw_reach_def def = lw_reach_def_default();
 	def.seconds = seconds;
@@ -144,7 +144,7 @@ TEST( ReachPairs, ManyShortRunsProveAsMuchAsALongOne )
 				if ( pair.separation > 0 )
 				{
 					EXPECT_GE( attacker.attack( a, b, 60, 120 ), pair.separation - ROUNDING )
-						<< round << ": " << a << ' ' << b;
+					    << round << ": " << a << ' ' << b;
 				}
 			}
 		}

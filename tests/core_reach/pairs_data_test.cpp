@@ -54,12 +54,12 @@ Count attackAll( const Subject& subject, int states, int steps )
 			if ( pair.separation > 0 )
 			{
 				EXPECT_GE( attacker.attack( a, b, states, steps ), pair.separation - 1e-9 )
-					<< lw_robot_link_name( subject.robot.get(), a ) << " " << lw_robot_link_name( subject.robot.get(), b );
+				    << lw_robot_link_name( subject.robot.get(), a ) << " " << lw_robot_link_name( subject.robot.get(), b );
 			}
 		}
 	}
 	std::printf( "%d proved by hulls, %d by subdivision, %d in contact, %d open, %d adjacent\n", count.hull,
-		count.subdivision, count.contact, count.open, count.adjacent );
+	    count.subdivision, count.contact, count.open, count.adjacent );
 	return count;
 }
 

@@ -32,13 +32,13 @@ TEST( ReachPairs, RandomRobotsNoStateIsNearerThanTheSeparation )
 					++proved;
 					bySubdivision += pair.proof == LW_PROOF_SUBDIVISION;
 					EXPECT_GE( attacker.attack( a, b, 60, 120 ), pair.separation - ROUNDING )
-						<< "round " << round << ", links " << a << " " << b << ", " << lw_pair_proof_name( pair.proof );
+					    << "round " << round << ", links " << a << " " << b << ", " << lw_pair_proof_name( pair.proof );
 				}
 			}
 		}
 	}
-	std::printf( "%d proved, %d of them by subdivision; %d in contact, %d open\n", proved, bySubdivision, contacts,
-		unproved );
+	std::printf(
+	    "%d proved, %d of them by subdivision; %d in contact, %d open\n", proved, bySubdivision, contacts, unproved );
 	EXPECT_GE( proved, 100 );
 	EXPECT_GE( bySubdivision, 5 ); // few: it depends on the machine
 	EXPECT_GE( contacts, 40 );
@@ -80,7 +80,7 @@ TEST( ReachPairs, SubdivisionAloneFindsTheLeastDistance )
 		EXPECT_GE( separation, 0.8 * truth );
 		EXPECT_LE( separation, truth );
 		EXPECT_EQ( subdivide( reach.get(), arm.tip, arm.base, 0.9, 100, cells / 2, &cells ), 0.0 )
-			<< "half of the cells prove nothing";
+		    << "half of the cells prove nothing";
 	}
 	// A wheel without limits: one place of the rim is nearest, wherever that is
 	for ( int place = 0; place < 12; ++place )
@@ -134,7 +134,7 @@ TEST( ReachPairs, ContactInTheMarginOutsideTheLimitsIsNoNever )
 	EXPECT_LT( pair.closest, 1e-5 );
 	EXPECT_EQ( pair.separation, 0.0 );
 	PairAttacker( reach.get(), 1 )
-		.checkEvidence( 2, 0 ); // in the order in which it was measured: the other one rounds otherwise
+	    .checkEvidence( 2, 0 ); // in the order in which it was measured: the other one rounds otherwise
 }
 
 TEST( ReachPairs, MimicCouplingKeepsApartLinksThatWouldMeetWithoutIt )

@@ -30,7 +30,7 @@ class PairAttacker
 {
 public:
 	PairAttacker( const lw_reach* reach, std::uint64_t seed )
-		: m_reach( reach ), m_robot( lw_reach_robot( reach ) ), m_rng( seed ), m_poses( lw_robot_link_count( m_robot ) )
+	    : m_reach( reach ), m_robot( lw_reach_robot( reach ) ), m_rng( seed ), m_poses( lw_robot_link_count( m_robot ) )
 	{
 		lw_query_def def = lw_query_def_default();
 		EXPECT_EQ( lw_query_create( &def, nullptr, nullptr, nullptr, &m_query ), LW_OK );
@@ -79,7 +79,7 @@ public:
 		for ( std::uint32_t v = 0; v < q.size(); ++v )
 		{
 			bool quaternion = lw_robot_joint_variable_count( m_robot, lw_robot_variable( m_robot, v ).joint ) == 7 &&
-							  lw_robot_variable( m_robot, v ).component >= 3;
+			                  lw_robot_variable( m_robot, v ).component >= 3;
 			q[v] = quaternion ? m_rng.normal() : m_rng.uniform( m_low[v], m_high[v] );
 			// corners of the joint box are where much happens
 			if ( !quaternion && m_rng.integer( 0, 5 ) == 0 )

@@ -9,7 +9,8 @@ TEST( ReachDef, BadInputIsNamed )
 	RobotPtr robot = model.create();
 	lw_reach_def good = lw_reach_def_default();
 	good.robot = robot.get();
-	auto expect = [&]( const lw_reach_def* def, lw_status status, const char* text ) {
+	auto expect = [&]( const lw_reach_def* def, lw_status status, const char* text )
+	{
 		lw_reach* reach = reinterpret_cast<lw_reach*>( &model );
 		lw_diag diag = {};
 		EXPECT_EQ( lw_reach_create( def, nullptr, &diag, &reach ), status ) << text;
@@ -138,7 +139,8 @@ TEST( ReachDef, GivingUpDuringHullsIsReported )
 		lw_reach_def def = lw_reach_def_default();
 		def.robot = robot.get();
 		def.progress_user = &calls;
-		def.progress = []( void* user, const char* stage, double share ) {
+		def.progress = []( void* user, const char* stage, double share )
+		{
 			Calls* c = static_cast<Calls*>( user );
 			EXPECT_STREQ( stage, "hulls" );
 			EXPECT_GE( share, c->last );

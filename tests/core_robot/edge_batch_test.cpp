@@ -25,7 +25,7 @@ struct PairLeft
 
 /// The gate of an edge. @param left written. @return false if this edge cannot be measured
 bool pairsLeft( const lw_checker* checker, lw_query* query, const double* qa, const double* qb, const lw_edge_def& def,
-	std::vector<PairLeft>* left )
+    std::vector<PairLeft>* left )
 {
 	lw_edge_result out = {};
 	lwi_edge e = {};
@@ -59,8 +59,8 @@ lw_shape* bunches( SeededRng& rng, double extent, std::vector<lw_vec3>* points )
 	std::vector<std::uint32_t> indices;
 	for ( int bunch = 0; bunch < 7; ++bunch )
 	{
-		const double c[3] = { rng.uniform( -extent, extent ), rng.uniform( -extent, extent ),
-			rng.uniform( -extent, extent ) };
+		const double c[3] = {
+		    rng.uniform( -extent, extent ), rng.uniform( -extent, extent ), rng.uniform( -extent, extent ) };
 		points->push_back( { c[0], c[1], c[2] } );
 		for ( int corner = 0; corner < 24; ++corner )
 		{
@@ -100,7 +100,7 @@ struct World
 		for ( int i = 0; i < count; ++i )
 		{
 			lw_shape* shape =
-				rng.uniform( 0, 1 ) < 0.4 ? randomMesh( rng, 40, 0.4, nullptr ) : randomPrimitive( rng, 0.5, nullptr );
+			    rng.uniform( 0, 1 ) < 0.4 ? randomMesh( rng, 40, 0.4, nullptr ) : randomPrimitive( rng, 0.5, nullptr );
 			lw_transform pose = rng.uniform( 0, 1 ) < 0.5 ? lw_transform_identity() : randomTransform( rng, 0 );
 			for ( double& x : pose.t )
 			{
@@ -116,12 +116,13 @@ struct World
 	World( SeededRng& rng, State& qa, State& qb, bool meshes )
 	{
 		model.link( "root" );
-		constexpr lw_joint_type types[] = { LW_JOINT_CONTINUOUS, LW_JOINT_CONTINUOUS, LW_JOINT_CONTINUOUS, LW_JOINT_CONTINUOUS, LW_JOINT_PRISMATIC, LW_JOINT_PLANAR, LW_JOINT_FLOATING };
+		constexpr lw_joint_type types[] = { LW_JOINT_CONTINUOUS, LW_JOINT_CONTINUOUS, LW_JOINT_CONTINUOUS,
+		    LW_JOINT_CONTINUOUS, LW_JOINT_PRISMATIC, LW_JOINT_PLANAR, LW_JOINT_FLOATING };
 		const int joints = rng.integer( 1, 4 );
 		for ( int i = 0; i < joints; ++i )
 		{
-			lw_joint_def& j = model.joint( "l" + std::to_string( i ),
-				types[rng.integer( 0, 6 )], static_cast<std::uint32_t>( i ) );
+			lw_joint_def& j =
+			    model.joint( "l" + std::to_string( i ), types[rng.integer( 0, 6 )], static_cast<std::uint32_t>( i ) );
 			j.parent = rng.integer( 0, 2 ) > 0 ? j.parent : 0; // a second arm
 			j.parent_from_joint = randomTransform( rng, 0.5 );
 			ball( rng, static_cast<std::uint32_t>( i + 1 ), rng.uniform( -0.5, 0.5 ), meshes );
@@ -151,7 +152,7 @@ struct World
 	{
 		model.link( "root" );
 		const double radius[3] = { 0.01, 0, 0 }, turn = rng.uniform( 0.7, 1.3 ),
-					 arm = 2.6 / ( turn * turn ) * rng.uniform( 1, 2 );
+		             arm = 2.6 / ( turn * turn ) * rng.uniform( 1, 2 );
 		const double bent = arm * turn * turn / 256, gap = bent * rng.uniform( -0.5, 2 );
 		const double apart = gap + 2 * radius[0] + 2 * arm * ( 1 - std::cos( turn ) ); // at first
 		for ( int side : { -1, 1 } )
@@ -254,7 +255,7 @@ private:
 
 	/// Where a ball or bunch is at some time.
 	lw_vec3 passes( SeededRng& rng, const State& qa, const State& qb, double* radius,
-		std::vector<lw_transform>* out_links = nullptr ) const
+	    std::vector<lw_transform>* out_links = nullptr ) const
 	{
 		State q( qa.size() );
 		std::vector<lw_transform> links( lw_robot_link_count( robot.get() ) );
@@ -269,8 +270,8 @@ private:
 		{
 			*out_links = links;
 		}
-		return lw_transform_point( &at,
-			points[static_cast<std::size_t>( rng.integer( 0, static_cast<int>( points.size() ) - 1 ) )] );
+		return lw_transform_point(
+		    &at, points[static_cast<std::size_t>( rng.integer( 0, static_cast<int>( points.size() ) - 1 ) )] );
 	}
 
 	/// A ball of any link beside that, at that time.
@@ -300,7 +301,7 @@ private:
 		double radius;
 		const lw_vec3 point = passes( rng, qa, qb, &radius );
 		const double at[3] = { point.x, point.y, point.z }, half = rng.uniform( 0.05, 0.5 ),
-					 size[3] = { 2 * half, 2 * half, 2 * half };
+		             size[3] = { 2 * half, 2 * half, 2 * half };
 		const int axis = rng.integer( 0, 2 );
 		const double off = ( rng.integer( 0, 1 ) ? 1 : -1 ) * ( radius + rng.uniform( -0.01, 0.03 ) );
 		lw_transform pose = lw_transform_identity();
@@ -368,7 +369,7 @@ class Attack
 {
 public:
 	Attack( World& world, const State& qa, const State& qb, const std::vector<PairLeft>& left, double least )
-		: m_world( world ), m_qa( qa ), m_qb( qb ), m_least( least )
+	    : m_world( world ), m_qa( qa ), m_qb( qb ), m_least( least )
 	{
 		for ( const PairLeft& item : left )
 		{
@@ -425,17 +426,17 @@ private:
 			const std::uint32_t cluster = m_world.checker->base->tree->body_cluster[a];
 			tally.left += isProved( a, LW_INVALID_INDEX, cell ) ? 0u : 1u;
 			for ( std::size_t i = 0; cluster != 0 && i < m_world.obstacles.size() && isProved( a, LW_INVALID_INDEX, cell );
-				  ++i )
+			      ++i )
 			{
 				const lw_scene_shape_def& o = m_world.obstacles[i];
 				judge( m_world.clearance( body.shape, m_poses[a], o.shape, o.world_from_shape ), "scene", a,
-					static_cast<std::uint32_t>( i ), tally );
+				    static_cast<std::uint32_t>( i ), tally );
 			}
 			for ( std::uint32_t b = a + 1; b < m_poses.size(); ++b )
 			{
 				const lw_body_def other = lw_robot_body( robot, b );
 				if ( cluster != m_world.checker->base->tree->body_cluster[b] &&
-					 !lw_robot_pair_allowed( robot, body.link, other.link ) && isProved( a, b, cell ) )
+				     !lw_robot_pair_allowed( robot, body.link, other.link ) && isProved( a, b, cell ) )
 				{
 					judge( m_world.clearance( body.shape, m_poses[a], other.shape, m_poses[b] ), "self", a, b, tally );
 				}
@@ -468,7 +469,7 @@ void judge( World& world, const State& qa, const State& qb, double min_d, Tally&
 void print( const char* flags, const Tally& t )
 {
 	std::printf( "%s: %zu batches, %zu distances in proved cells, %zu within a centimetre, %zu cells left\n", flags,
-		t.batches, t.proved, t.tight, t.left );
+	    t.batches, t.proved, t.tight, t.left );
 }
 
 } // namespace

@@ -169,7 +169,7 @@ TEST( EdgeClose, NoEdgeIsFreeWhoseLeastClearanceIsNotAboveMinD )
 		def.alpha = rng.integer( 0, 1 ) ? 0.1 : 0;
 		def.want_proved_until = rng.integer( 0, 1 ) == 1;
 		const double above = rng.decade( rng.integer( 0, 3 ) ? -7 : -13, -3 ) * ( rng.integer( 0, 1 ) ? 1 : -1 ),
-					 rounding = 1e-12;
+		             rounding = 1e-12;
 		const Cam cam( rng.uniform( 0.05, 0.6 ), rng.uniform( 0.02, 0.09 ), def.min_d + above );
 		const double a = -rng.decade( -3, 0.18 ), b = rng.decade( -3, 0.18 ); // less than half a turn together
 		const lw_edge_result r = cam.edge( a, b, def );
@@ -314,7 +314,7 @@ TEST( EdgeClose, EdgesOfAbsurdLengthAreRefusedForTheirLength )
 			const lw_edge_result r = faces.edge( 0.3, turn, def );
 			EXPECT_EQ( LW_VERDICT_UNDECIDED, r.verdict );
 			EXPECT_TRUE( r.pair.kind == LW_CLEARANCE_UNKNOWN || turn > 1e9 )
-				<< "where poses round to more than the pair's clearance, it is named";
+			    << "where poses round to more than the pair's clearance, it is named";
 			EXPECT_LE( r.queries, 2u * LW_EDGE_MOST_STATES );
 		}
 		EXPECT_EQ( LW_VERDICT_FREE, faces.edge( 0.3, 1000, def ).verdict );

@@ -23,7 +23,7 @@ struct Balls
 	RobotPtr robot;
 	std::vector<ShapePtr> shapes;
 	std::vector<lw_scene_shape_def> obstacles;
-	std::vector<double> radii; ///< of bodies
+	std::vector<double> radii;                ///< of bodies
 	std::vector<std::array<double, 3>> sizes; ///< of obstacles
 	ScenePtr scene;
 	CheckerPtr checker;
@@ -37,10 +37,10 @@ struct Balls
 		for ( int i = 0; i < joints; ++i )
 		{
 			const std::uint32_t parent =
-				branches ? static_cast<std::uint32_t>( rng.integer( 0, i ) ) : static_cast<std::uint32_t>( i );
+			    branches ? static_cast<std::uint32_t>( rng.integer( 0, i ) ) : static_cast<std::uint32_t>( i );
 			const bool turns = rng.integer( 0, 4 ) > 0;
 			lw_joint_def& j =
-				model.joint( "l" + std::to_string( i ), turns ? LW_JOINT_CONTINUOUS : LW_JOINT_PRISMATIC, parent );
+			    model.joint( "l" + std::to_string( i ), turns ? LW_JOINT_CONTINUOUS : LW_JOINT_PRISMATIC, parent );
 			j.parent_from_joint = randomTransform( rng, 0.4 );
 			addBalls( rng, static_cast<std::uint32_t>( i + 1 ), bodies );
 		}
@@ -49,7 +49,7 @@ struct Balls
 		for ( int i = 0; i < 5; ++i )
 		{
 			addBox( { rng.uniform( 0.05, 0.8 ), rng.uniform( 0.05, 0.8 ), rng.uniform( 0.05, 0.8 ) },
-				{ rng.uniform( -2, 2 ), rng.uniform( -2, 2 ), rng.uniform( -2, 2 ) } );
+			    { rng.uniform( -2, 2 ), rng.uniform( -2, 2 ), rng.uniform( -2, 2 ) } );
 		}
 		open();
 	}
@@ -62,7 +62,7 @@ struct Balls
 		for ( int i = 0; i < joints; ++i )
 		{
 			model.joint( "l" + std::to_string( i ), LW_JOINT_CONTINUOUS, static_cast<std::uint32_t>( i ) )
-				.parent_from_joint = randomTransform( rng, 0.4 );
+			    .parent_from_joint = randomTransform( rng, 0.4 );
 		}
 		addBalls( rng, static_cast<std::uint32_t>( joints ), 1 );
 		robot = model.create();
@@ -87,20 +87,19 @@ struct Balls
 			for ( std::size_t b = a + 1; b < model.bodies.size() && flags == LW_CHECK_SELF; ++b )
 			{
 				const lw_transform other =
-					lw_transform_multiply( &links[model.bodies[b].link], &model.bodies[b].link_from_shape );
+				    lw_transform_multiply( &links[model.bodies[b].link], &model.bodies[b].link_from_shape );
 				const bool asked = model.bodies[a].link != model.bodies[b].link;
 				least = asked ? std::min( least, apart( at, other ) - radii[a] - radii[b] ) : least;
 			}
 			// the root stands: no edge asks for its clearance
 			for ( std::size_t b = 0; b < obstacles.size() && flags == LW_CHECK_ENVIRONMENT && model.bodies[a].link != 0;
-				  ++b )
+			      ++b )
 			{
 				double d[3];
 				for ( int axis = 0; axis < 3; ++axis )
 				{
-					d[axis] =
-						std::max( std::abs( at.t[axis] - obstacles[b].world_from_shape.t[axis] ) - 0.5 * sizes[b][axis],
-							0.0 );
+					d[axis] = std::max(
+					    std::abs( at.t[axis] - obstacles[b].world_from_shape.t[axis] ) - 0.5 * sizes[b][axis], 0.0 );
 				}
 				least = std::min( least, std::hypot( d[0], d[1], d[2] ) - radii[a] );
 			}
@@ -263,7 +262,7 @@ void attack( Balls& world, const State& a, const State& b, lw_check_flags flags,
 	State q( a.size() );
 	lw_robot_interpolate( world.robot.get(), a.data(), b.data(), result.t, q.data() );
 	ASSERT_LE( world.clearance( q, flags ), def.min_d + SLACK + 1e-9 )
-		<< lw_verdict_name( result.verdict ) << " at " << result.t;
+	    << lw_verdict_name( result.verdict ) << " at " << result.t;
 }
 
 void attackSome( Balls& world, SeededRng& rng, int edges, lw_check_flags flags, Tally& tally )
@@ -277,8 +276,7 @@ void attackSome( Balls& world, SeededRng& rng, int edges, lw_check_flags flags, 
 }
 
 /// @param one attacks in a world of its own @param least edges that have to be asked
-template <typename One>
-void attackWorlds( int worlds, int least, const One& one )
+template <typename One> void attackWorlds( int worlds, int least, const One& one )
 {
 	SeededRng rng;
 	Tally tally;
@@ -292,11 +290,11 @@ void attackWorlds( int worlds, int least, const One& one )
 void attackAll( int worlds, int most_joints, int most_bodies, lw_check_flags flags )
 {
 	attackWorlds( worlds, worlds,
-		[=]( SeededRng& rng, Tally& tally )
-		{
-			Balls world( rng, rng.integer( 2, most_joints ), rng.integer( 1, most_bodies ), rng.integer( 0, 2 ) == 0 );
-			attackSome( world, rng, 8, flags, tally );
-		} );
+	    [=]( SeededRng& rng, Tally& tally )
+	    {
+		    Balls world( rng, rng.integer( 2, most_joints ), rng.integer( 1, most_bodies ), rng.integer( 0, 2 ) == 0 );
+		    attackSome( world, rng, 8, flags, tally );
+	    } );
 }
 
 } // namespace
@@ -319,11 +317,11 @@ TEST( EdgeMidpoint, BallOfALongChainComesNearerThanWasProved )
 {
 	const int worlds = unlessSanitized( 12, 3 );
 	attackWorlds( worlds, worlds,
-		[]( SeededRng& rng, Tally& tally )
-		{
-			Balls world( rng, 26, 1, true );
-			attackSome( world, rng, 20, LW_CHECK_SELF, tally );
-		} );
+	    []( SeededRng& rng, Tally& tally )
+	    {
+		    Balls world( rng, 26, 1, true );
+		    attackSome( world, rng, 20, LW_CHECK_SELF, tally );
+	    } );
 }
 
 TEST( EdgeMidpoint, BallPassesABoxNearerThanWasProved )
@@ -336,11 +334,11 @@ TEST( EdgeMidpoint, BallThatGetsFasterRunsIntoAWall )
 {
 	const int worlds = unlessSanitized( 1500, 300 );
 	attackWorlds( worlds, worlds / 2,
-		[]( SeededRng& rng, Tally& tally )
-		{
-			State a( static_cast<std::size_t>( rng.integer( 2, 4 ) ) ), b = a;
-			randomEdge( rng, a, b );
-			Balls world( rng, static_cast<int>( a.size() ), a, b );
-			attack( world, a, b, LW_CHECK_ENVIRONMENT, tally );
-		} );
+	    []( SeededRng& rng, Tally& tally )
+	    {
+		    State a( static_cast<std::size_t>( rng.integer( 2, 4 ) ) ), b = a;
+		    randomEdge( rng, a, b );
+		    Balls world( rng, static_cast<int>( a.size() ), a, b );
+		    attack( world, a, b, LW_CHECK_ENVIRONMENT, tally );
+	    } );
 }

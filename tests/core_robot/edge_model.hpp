@@ -95,7 +95,7 @@ struct World
 	bool objectAllowed( std::uint32_t link, std::uint32_t index ) const
 	{
 		return std::any_of( allowed.begin(), allowed.end(),
-			[=]( const lw_link_object_pair& p ) { return p.link == link && p.object == index; } );
+		    [=]( const lw_link_object_pair& p ) { return p.link == link && p.object == index; } );
 	}
 
 	State full( const State& q ) const
@@ -108,10 +108,11 @@ struct World
 	/// True if some joint of the group lies between the two links.
 	bool groupMoves( std::uint32_t linkA, std::uint32_t linkB ) const
 	{
-		auto chain = [&]( std::uint32_t link ) {
+		auto chain = [&]( std::uint32_t link )
+		{
 			std::vector<std::uint32_t> joints;
 			for ( std::uint32_t j = lw_robot_link_joint( robot.get(), link ); j != LW_INVALID_INDEX;
-				  j = lw_robot_link_joint( robot.get(), link ) )
+			      j = lw_robot_link_joint( robot.get(), link ) )
 			{
 				joints.push_back( j );
 				link = lw_robot_joint_parent( robot.get(), j );
@@ -123,17 +124,19 @@ struct World
 		std::sort( a.begin(), a.end() );
 		std::sort( b.begin(), b.end() );
 		std::set_symmetric_difference( a.begin(), a.end(), b.begin(), b.end(), std::back_inserter( between ) );
-		return std::any_of( between.begin(), between.end(), [&]( std::uint32_t j ) {
-			std::uint32_t followed = lw_robot_joint_mimic( robot.get(), j );
-			std::uint32_t leader = followed != LW_INVALID_INDEX ? followed : j;
-			std::uint32_t v = lw_robot_joint_variable( robot.get(), leader );
-			return v != LW_INVALID_INDEX &&
-				   ( variables.empty() || std::find( variables.begin(), variables.end(), v ) != variables.end() );
-		} );
+		return std::any_of( between.begin(), between.end(),
+		    [&]( std::uint32_t j )
+		    {
+			    std::uint32_t followed = lw_robot_joint_mimic( robot.get(), j );
+			    std::uint32_t leader = followed != LW_INVALID_INDEX ? followed : j;
+			    std::uint32_t v = lw_robot_joint_variable( robot.get(), leader );
+			    return v != LW_INVALID_INDEX &&
+			           ( variables.empty() || std::find( variables.begin(), variables.end(), v ) != variables.end() );
+		    } );
 	}
 
-	double shapeDistance( const lw_body_def& a, const lw_transform& worldFromA, const lw_shape* b,
-		const lw_transform& worldFromB ) const
+	double shapeDistance(
+	    const lw_body_def& a, const lw_transform& worldFromA, const lw_shape* b, const lw_transform& worldFromB ) const
 	{
 		lw_transform poseA = lw_transform_multiply( &worldFromA, &a.link_from_shape );
 		lw_clearance c;
@@ -143,7 +146,7 @@ struct World
 
 	/// Least distance at a full state, pair by pair, without the checker. With links given only that pair.
 	double clearance( const State& fullState, lw_check_flags flags, std::uint32_t a = LW_INVALID_INDEX,
-		std::uint32_t b = LW_INVALID_INDEX ) const
+	    std::uint32_t b = LW_INVALID_INDEX ) const
 	{
 		std::vector<lw_transform> poses( lw_robot_link_count( robot.get() ) );
 		EXPECT_EQ( lw_robot_fk( robot.get(), fullState.data(), poses.data() ), LW_OK );
@@ -155,8 +158,7 @@ struct World
 			{
 				if ( !objectAllowed( bodyI.link, k ) && ( a == LW_INVALID_INDEX || ( a == bodyI.link && b == k ) ) )
 				{
-					least = std::min( least,
-						shapeDistance( bodyI, poses[bodyI.link], objects[k].shape, objects[k].pose ) );
+					least = std::min( least, shapeDistance( bodyI, poses[bodyI.link], objects[k].shape, objects[k].pose ) );
 				}
 			}
 			for ( std::size_t k = 0; ( flags & LW_CHECK_SELF ) != 0 && k < i; ++k )
@@ -175,7 +177,7 @@ struct World
 	}
 
 	double clearanceAt( const State& qa, const State& qb, double t, lw_check_flags flags, std::uint32_t a = LW_INVALID_INDEX,
-		std::uint32_t b = LW_INVALID_INDEX ) const
+	    std::uint32_t b = LW_INVALID_INDEX ) const
 	{
 		State fullA = full( qa ), fullB = full( qb ), q( fullA.size() );
 		lw_robot_interpolate( robot.get(), fullA.data(), fullB.data(), t, q.data() );

@@ -55,7 +55,7 @@ struct TwoArms
 		}
 		lw_clearance out;
 		EXPECT_EQ( LW_OK, lw_shape_distance( model.bodies[0].shape, &bodies[0], model.bodies[1].shape, &bodies[1], nullptr,
-							  plain.get(), &out ) );
+		                      plain.get(), &out ) );
 		return out.upper;
 	}
 };

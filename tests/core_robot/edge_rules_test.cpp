@@ -52,8 +52,8 @@ TEST( Edge, EndsAgreeWithStates )
 		{
 			State end = randomEnd( rng, world, start );
 			lw_state_result state;
-			ASSERT_EQ( lw_checker_state( world.checker, world.query, end.data(), LW_CHECK_BOTH, nullptr, false, &state ),
-				LW_OK );
+			ASSERT_EQ(
+			    lw_checker_state( world.checker, world.query, end.data(), LW_CHECK_BOTH, nullptr, false, &state ), LW_OK );
 			for ( lw_edge_method method : { LW_EDGE_CERTIFIED, LW_EDGE_STEPS } )
 			{
 				lw_edge_def def = lw_edge_def_default();
@@ -82,8 +82,8 @@ TEST( Edge, EdgeWithoutLengthIsNotItsState )
 		State start;
 		randomWorld( rng, world, &start );
 		lw_state_result state;
-		ASSERT_EQ( lw_checker_state( world.checker, world.query, start.data(), LW_CHECK_BOTH, nullptr, false, &state ),
-			LW_OK );
+		ASSERT_EQ(
+		    lw_checker_state( world.checker, world.query, start.data(), LW_CHECK_BOTH, nullptr, false, &state ), LW_OK );
 		const double clearance = std::min( state.environment.upper, state.self.upper );
 		if ( state.verdict != LW_VERDICT_FREE || !( clearance > 1e-3 && clearance < INFINITY ) )
 		{
@@ -140,8 +140,8 @@ TEST( Edge, StepsKeepTheirPromise )
 				}
 				continue;
 			}
-			double there = world.clearanceAt( start, end, r.t, r.self ? LW_CHECK_SELF : LW_CHECK_ENVIRONMENT, r.pair.a,
-				r.pair.b );
+			double there =
+			    world.clearanceAt( start, end, r.t, r.self ? LW_CHECK_SELF : LW_CHECK_ENVIRONMENT, r.pair.a, r.pair.b );
 			EXPECT_LE( there, def.min_d + 1e-10 );
 			EXPECT_TRUE( r.proved_until < r.t || r.t == 0 );
 			partial += r.proved_until > 0 ? 1 : 0;
@@ -180,7 +180,8 @@ TEST( Edge, BadInputNeverReadsAsFree )
 	slider( world, 1 );
 	State a = { 0 }, b = { 0.5 };
 	lw_edge_result r;
-	auto refused = [&]( const lw_edge_def& def, lw_status expected ) {
+	auto refused = [&]( const lw_edge_def& def, lw_status expected )
+	{
 		std::memset( static_cast<void*>( &r ), 0x11, sizeof( r ) );
 		EXPECT_EQ( lw_checker_edge( world.checker, world.query, a.data(), b.data(), &def, &r ), expected );
 		EXPECT_EQ( r.verdict, LW_VERDICT_UNKNOWN );

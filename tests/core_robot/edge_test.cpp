@@ -47,8 +47,8 @@ TEST( Edge, CertifiedVerdictsSurviveADenseAudit )
 			ASSERT_NE( r.verdict, LW_VERDICT_UNKNOWN );
 			++( r.self ? selfFailures : environmentFailures );
 			EXPECT_EQ( r.lower_bound, 0 );
-			double there = world.clearanceAt( start, end, r.t, r.self ? LW_CHECK_SELF : LW_CHECK_ENVIRONMENT, r.pair.a,
-				r.pair.b );
+			double there =
+			    world.clearanceAt( start, end, r.t, r.self ? LW_CHECK_SELF : LW_CHECK_ENVIRONMENT, r.pair.a, r.pair.b );
 			double top = r.verdict == LW_VERDICT_BLOCKED ? def.min_d : ( def.min_d + def.slack ) / ( 1 - def.alpha );
 			EXPECT_LE( there, top + 1e-10 ) << lw_verdict_name( r.verdict );
 			if ( def.want_proved_until )
@@ -72,7 +72,7 @@ TEST( Edge, CertifiedVerdictsSurviveADenseAudit )
 		}
 	}
 	std::printf( "FREE %d (with halving %d), BLOCKED %d, UNDECIDED %d; self %d, environment %d; partly proved %d\n",
-		verdicts[1], deepProofs, verdicts[2], verdicts[3], selfFailures, environmentFailures, partial );
+	    verdicts[1], deepProofs, verdicts[2], verdicts[3], selfFailures, environmentFailures, partial );
 	EXPECT_GE( verdicts[LW_VERDICT_FREE], 200 );
 	EXPECT_GE( deepProofs, 80 );
 	EXPECT_GE( verdicts[LW_VERDICT_BLOCKED], 150 );
@@ -91,16 +91,16 @@ TEST( Edge, SlidingPastAtASmallGapCostsAtMostTheStatedNumberOfQueries )
 		lw_verdict expected;
 	};
 	const Case cases[] = {
-		{ 1.01e-3, 0, 1e-3, LW_VERDICT_FREE },
-		{ 1.01e-3, 0, 1e-5, LW_VERDICT_FREE },
-		{ 1.01e-3, 1e-3, 5e-6, LW_VERDICT_FREE },
-		{ 1.01e-3, 1e-3, 1e-4, LW_VERDICT_UNDECIDED },
-		{ 1e-6, 0, 1e-3, LW_VERDICT_UNDECIDED },
-		{ 1e-6, 0, 1e-4, LW_VERDICT_UNDECIDED },
-		{ 1e-4, 0, 9e-5, LW_VERDICT_FREE },
-		{ 0, 0, 1e-3, LW_VERDICT_BLOCKED },
-		{ -1e-9, 0, 1e-3, LW_VERDICT_BLOCKED },
-		{ 1e-3, 1.1e-3, 1e-3, LW_VERDICT_BLOCKED },
+	    { 1.01e-3, 0, 1e-3, LW_VERDICT_FREE },
+	    { 1.01e-3, 0, 1e-5, LW_VERDICT_FREE },
+	    { 1.01e-3, 1e-3, 5e-6, LW_VERDICT_FREE },
+	    { 1.01e-3, 1e-3, 1e-4, LW_VERDICT_UNDECIDED },
+	    { 1e-6, 0, 1e-3, LW_VERDICT_UNDECIDED },
+	    { 1e-6, 0, 1e-4, LW_VERDICT_UNDECIDED },
+	    { 1e-4, 0, 9e-5, LW_VERDICT_FREE },
+	    { 0, 0, 1e-3, LW_VERDICT_BLOCKED },
+	    { -1e-9, 0, 1e-3, LW_VERDICT_BLOCKED },
+	    { 1e-3, 1.1e-3, 1e-3, LW_VERDICT_BLOCKED },
 	};
 	for ( const Case& c : cases )
 	{
@@ -113,8 +113,8 @@ TEST( Edge, SlidingPastAtASmallGapCostsAtMostTheStatedNumberOfQueries )
 		const double travel = 0.25;
 		lw_query_reset_stats( world.query );
 		lw_edge_result r = world.edge( { -0.1 }, { -0.1 + travel }, def );
-		std::printf( "gap %g min_d %g slack %g: %s after %u states\n", c.gap, c.min_d, c.slack,
-			lw_verdict_name( r.verdict ), r.queries );
+		std::printf( "gap %g min_d %g slack %g: %s after %u states\n", c.gap, c.min_d, c.slack, lw_verdict_name( r.verdict ),
+		    r.queries );
 		if ( c.gap == 0 ) // 0 to rounding: contact or undecided, never free
 		{
 			EXPECT_NE( r.verdict, LW_VERDICT_FREE );
@@ -240,7 +240,7 @@ TEST( Edge, HalvesOfACellAreProvedByTheirOwnMotion )
 		world.model.body( 3, primitive( LW_SHAPE_SPHERE, 0.01, 0, 0 ), at( reach, 0, 0 ) );
 		const double slide_x = 2 * reach * ( 1 - std::cos( 0.5 * turn ) ), slide_y = -2 * reach * std::sin( 0.5 * turn );
 		world.object( primitive( LW_SHAPE_SPHERE, 0.01, 0, 0 ),
-			at( t * slide_x + reach * std::cos( t * turn ), t * slide_y + reach * std::sin( t * turn ), 0 ) );
+		    at( t * slide_x + reach * std::cos( t * turn ), t * slide_y + reach * std::sin( t * turn ), 0 ) );
 		world.open();
 		const State start = { 0, 0, 0 }, end = { slide_x, slide_y, turn };
 		EXPECT_NE( world.edge( start, end, lw_edge_def_default() ).verdict, LW_VERDICT_FREE ) << "ball at t = " << t;
@@ -252,8 +252,8 @@ TEST( Edge, HalvesOfACellAreProvedByTheirOwnMotion )
 // the start, in the middle and at the end; between two of them the arc bulges into the box.
 TEST( Edge, ArcThatBulgesBetweenItsPosesIsNoStraightLine )
 {
-	const auto cases = { std::pair( 1.0, false ), std::pair( -1.0, false ), std::pair( 1.0, true ),
-		std::pair( -1.0, true ) };
+	const auto cases = {
+	    std::pair( 1.0, false ), std::pair( -1.0, false ), std::pair( 1.0, true ), std::pair( -1.0, true ) };
 	for ( const auto& [side, bar] : cases )
 	{
 		for ( double deep : { 0.02, 0.002, -0.002 } )
@@ -405,14 +405,14 @@ TEST( Edge, PlateWithinAlphaOfTheNearestObstacleIsPassedOver )
 		def.alpha = rng.uniform( 0.2, 0.7 );
 		def.slack = rng.decade( -2, 0 ); // a quarter of it is how far beyond its need a proof looks: there alpha counts
 		const lw_edge_result r = world.edge( { -rng.uniform( 0.2, 1.2 ) + std::min( where, 0.0 ) },
-			{ rng.uniform( 0.2, 1.2 ) + std::max( where, 0.0 ) }, def );
+		    { rng.uniform( 0.2, 1.2 ) + std::max( where, 0.0 ) }, def );
 		const double gap = beside - 0.05 - radius; // when it passes the plate
 		++( gap < 0 ? in_the_way : beside_it );
 		if ( r.verdict == LW_VERDICT_FREE )
 		{
 			++free;
 			EXPECT_LE( r.lower_bound, gap + 1e-9 )
-				<< "plate at " << where << ", frame at " << side << ", alpha " << def.alpha;
+			    << "plate at " << where << ", frame at " << side << ", alpha " << def.alpha;
 		}
 		EXPECT_TRUE( gap < 0 || r.verdict != LW_VERDICT_BLOCKED );
 	}

@@ -11,7 +11,7 @@ extern "C"
 {
 	struct lwi_motion_table;
 	lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_variables, const double* reference,
-		const lw_allocator* allocator, lw_diag* diag, lwi_motion_table** out_table );
+	    const lw_allocator* allocator, lw_diag* diag, lwi_motion_table** out_table );
 	void lwi_motion_table_destroy( lwi_motion_table* table );
 	size_t lwi_motion_scratch_size( const lwi_motion_table* table );
 	bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch );
@@ -26,8 +26,8 @@ extern "C"
 		double path, change;
 	};
 	void lwi_motion_place( const lwi_motion_table* table, void* scratch, const lw_transform* poses );
-	void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses,
-		double share );
+	void lwi_motion_measure_body(
+	    const lwi_motion_table* table, void* scratch, uint32_t body, const lw_transform* poses, double share );
 	lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 	struct lwi_chord_error
 	{
@@ -71,8 +71,8 @@ RobotModel anyRobot( SeededRng& rng )
 	return randomRobot( rng, options );
 }
 
-lw_vec3 position( const lw_transform& ancestorPose, bool inWorld, const lw_transform& pose, const lw_body_def& body,
-	lw_vec3 p )
+lw_vec3 position(
+    const lw_transform& ancestorPose, bool inWorld, const lw_transform& pose, const lw_body_def& body, lw_vec3 p )
 {
 	lw_vec3 world = lw_transform_point( &pose, lw_transform_point( &body.link_from_shape, p ) );
 	if ( inWorld )
@@ -92,7 +92,7 @@ std::uint32_t randomAncestor( SeededRng& rng, const lw_robot* robot, std::uint32
 {
 	std::vector<std::uint32_t> chain = { LW_INVALID_INDEX, link };
 	for ( std::uint32_t j = lw_robot_link_joint( robot, link ); j != LW_INVALID_INDEX;
-		  j = lw_robot_link_joint( robot, link ) )
+	      j = lw_robot_link_joint( robot, link ) )
 	{
 		link = lw_robot_joint_parent( robot, j );
 		chain.push_back( link );
@@ -103,7 +103,7 @@ std::uint32_t randomAncestor( SeededRng& rng, const lw_robot* robot, std::uint32
 /// Longest polyline through `steps` + 1 states of any point of the body; the true path is at least as long. Also checks
 /// that no step is longer than its share of the bound.
 double longestPath( const RobotModel& model, const std::vector<std::vector<lw_transform>>& poses, std::uint32_t body,
-	std::uint32_t ancestor, double bound, double slack )
+    std::uint32_t ancestor, double bound, double slack )
 {
 	double longest = 0;
 	const lw_body_def& def = model.bodies[body];
@@ -181,7 +181,7 @@ TEST( MotionBound, NoPointTravelsFurtherThanTheBound )
 	ASSERT_GE( longRatios.size(), 500u );
 	double shortMedian = shortRatios[shortRatios.size() / 2], longMedian = longRatios[longRatios.size() / 2];
 	std::printf( "path / bound: short edges median %.3f largest %.6f, long edges median %.3f largest %.6f\n", shortMedian,
-		shortRatios.back(), longMedian, longRatios.back() );
+	    shortRatios.back(), longMedian, longRatios.back() );
 	EXPECT_GE( shortMedian, 0.5 );
 	EXPECT_GE( longMedian, 0.25 );
 	EXPECT_GE( worldCases, 1000 );
@@ -245,8 +245,8 @@ std::vector<lw_transform> posesAt( const lw_robot* robot, const State& a, const 
 }
 
 /// Poses at `steps` + 1 states from `from` to `to`.
-std::vector<std::vector<lw_transform>> posesBetween( const lw_robot* robot, const State& a, const State& b, double from,
-	double to, int steps )
+std::vector<std::vector<lw_transform>> posesBetween(
+    const lw_robot* robot, const State& a, const State& b, double from, double to, int steps )
 {
 	std::vector<std::vector<lw_transform>> poses;
 	for ( int k = 0; k <= steps; ++k )
@@ -258,7 +258,7 @@ std::vector<std::vector<lw_transform>> posesBetween( const lw_robot* robot, cons
 
 /// Where these have a point of a body, seen from an ancestor or the world.
 std::vector<lw_vec3> wayOf(
-	const std::vector<std::vector<lw_transform>>& poses, std::uint32_t ancestor, const lw_body_def& body, lw_vec3 point )
+    const std::vector<std::vector<lw_transform>>& poses, std::uint32_t ancestor, const lw_body_def& body, lw_vec3 point )
 {
 	const bool inWorld = ancestor == LW_INVALID_INDEX;
 	std::vector<lw_vec3> way;
@@ -323,8 +323,8 @@ TEST( MotionBound, NoPointIsFartherFromItsPlaceOnTheEdgeThanTheTube )
 				{
 					beside[v] += tolerance[v] * ( rng.integer( 0, 1 ) ? 1 : -1 );
 				}
-				const std::vector<std::vector<lw_transform>> poses = { posesAt( robot.get(), q, q, 0 ),
-				    posesAt( robot.get(), beside, beside, 0 ) };
+				const std::vector<std::vector<lw_transform>> poses = {
+				    posesAt( robot.get(), q, q, 0 ), posesAt( robot.get(), beside, beside, 0 ) };
 				for ( const lw_vec3 p : model.bodyPoints[body] )
 				{
 					const std::vector<lw_vec3> way = wayOf( poses, ancestor, model.bodies[body], p );
@@ -390,7 +390,7 @@ TEST( MotionBound, NoPointGetsFurtherBetweenTwoStatesThanItsAccelerationAllows )
 	std::sort( ratios.begin(), ratios.end() );
 	std::sort( gains.begin(), gains.end() );
 	std::printf( "moved / bound: median %.3f, largest %.6f; path / bound: median %.2f, largest %.1f\n",
-		ratios[ratios.size() / 2], ratios.back(), gains[gains.size() / 2], gains.back() );
+	    ratios[ratios.size() / 2], ratios.back(), gains[gains.size() / 2], gains.back() );
 	ASSERT_GE( ratios.size(), 1000u );
 	EXPECT_GE( ratios[ratios.size() / 2], 0.5 );
 	EXPECT_GE( gains.back(), 5 ) << "never any better than the path length";
@@ -553,7 +553,7 @@ TEST( MotionBound, StepIsLongerThanMeasuredFromAPoseNearAnEnd )
 		for ( std::uint32_t k = 0; k < 2; ++k )
 		{
 			lw_joint_def& joint =
-				model.joint( "l" + std::to_string( k ), k == 0 ? LW_JOINT_REVOLUTE : LW_JOINT_PRISMATIC, k );
+			    model.joint( "l" + std::to_string( k ), k == 0 ? LW_JOINT_REVOLUTE : LW_JOINT_PRISMATIC, k );
 			joint.parent_from_joint = lw_transform_identity();
 			joint.parent_from_joint.t[0] = rng.uniform( -0.02, 0.02 );
 			joint.axis[0] = k == 0 ? 0 : 1;
@@ -614,7 +614,7 @@ TEST( MotionBound, WhereVelocitiesCancelAccelerationIsLeft )
 		State a = { -0.5 * slide, -0.5 * rate_1, -0.5 * rate_2 }, b = { 0.5 * slide, 0.5 * rate_1, 0.5 * rate_2 };
 		ASSERT_TRUE( lwi_motion_begin( motion.table, a.data(), b.data(), motion.scratch ) );
 		std::vector<lw_transform> start = posesAt( robot.get(), a, b, 0 ), center = posesAt( robot.get(), a, b, 0.5 ),
-								  end = posesAt( robot.get(), a, b, 1 );
+		                          end = posesAt( robot.get(), a, b, 1 );
 		lwi_motion_place( motion.table, motion.scratch, center.data() );
 		lwi_motion_measure_body( motion.table, motion.scratch, 0, center.data(), 0.5 );
 		const lw_vec3 tip = { forearm, 0, 0 };
@@ -668,7 +668,7 @@ TEST( MotionBound, OnlyJointsBelowTheAncestorCount )
 			double last = lwi_motion_bound( motion.table, motion.scratch, body, link );
 			EXPECT_EQ( last, 0 );
 			for ( std::uint32_t j = lw_robot_link_joint( robot.get(), link ); j != LW_INVALID_INDEX;
-				  j = lw_robot_link_joint( robot.get(), link ) )
+			      j = lw_robot_link_joint( robot.get(), link ) )
 			{
 				link = lw_robot_joint_parent( robot.get(), j );
 				double next = lwi_motion_bound( motion.table, motion.scratch, body, link );

@@ -122,48 +122,52 @@ TEST( Robot, MistakesAreNamed )
 	};
 	const double nan = std::nan( "" );
 	const Mistake mistakes[] = {
-		{ "'upper' is the child of two joints", []( RobotModel& m ) { m.joints[4].child = 1; } },
-		{ "both without a parent", []( RobotModel& m ) { m.link( "orphan" ); } },
-		{ "cycle", []( RobotModel& m ) { m.joints[0].parent = 2; } },
-		{ "to itself", []( RobotModel& m ) { m.joints[1].parent = m.joints[1].child; } },
-		{ "two links are named 'palm'", []( RobotModel& m ) { m.linkNames[5] = "palm"; } },
-		{ "two joints are named 'j_palm'", []( RobotModel& m ) { m.jointNames[4] = "j_palm"; } },
-		{ "link 1 has no name", []( RobotModel& m ) { m.linkNames[1] = ""; } },
-		{ "joint 1 has no name", []( RobotModel& m ) { m.jointNames[1] = ""; } },
-		{ "'j_upper': its axis is zero", []( RobotModel& m ) { m.joints[0].axis[2] = 0; } },
-		{ "'j_upper': its axis is not finite", [=]( RobotModel& m ) { m.joints[0].axis[1] = nan; } },
-		{ "'j_upper': limits [1, -1]", []( RobotModel& m ) { m.joints[0].lower = 1, m.joints[0].upper = -1; } },
-		{ "without limits is continuous", []( RobotModel& m ) { m.joints[0].upper = INFINITY; } },
-		{ "'j_left': limits", [=]( RobotModel& m ) { m.joints[3].upper = nan; } },
-		{ "'j_left': limits", []( RobotModel& m ) { m.joints[3].lower = m.joints[3].upper = INFINITY; } },
-		{ "'j_lower': its origin", [=]( RobotModel& m ) { m.joints[1].parent_from_joint.t[2] = nan; } },
-		{ "'j_lower': its origin", []( RobotModel& m ) { m.joints[1].parent_from_joint.r[0][0] = -1; } },
-		{ "comes back to itself", []( RobotModel& m ) { m.joints[3].mimic = 4; } },
-		{ "comes back to itself", []( RobotModel& m ) { m.joints[4].mimic = 4; } },
-		{ "mimics joint 99", []( RobotModel& m ) { m.joints[4].mimic = 99; } },
-		{ "multiplier or offset", []( RobotModel& m ) { m.joints[4].mimic_multiplier = INFINITY; } },
-		{ "overflow",
-			[]( RobotModel& m ) {
-				m.joints[4].mimic_multiplier = 1e300;
-				m.joints[3].mimic = 0;
-				m.joints[3].mimic_multiplier = 1e300;
-			} },
-		{ "is planar or floating and cannot mimic", []( RobotModel& m ) { m.joints[4].type = LW_JOINT_PLANAR; } },
-		{ "'j_left', which is planar or floating", []( RobotModel& m ) { m.joints[3].type = LW_JOINT_FLOATING; } },
-		{ "limits [2, 1] of its y",
-			[]( RobotModel& m ) {
-				m.joints[1].type = LW_JOINT_PLANAR;
-				m.joints[1].position_lower[1] = 2;
-				m.joints[1].position_upper[1] = 1;
-			} },
-		{ "unknown type 9", []( RobotModel& m ) { m.joints[0].type = static_cast<lw_joint_type>( 9 ); } },
-		{ "parent link 77", []( RobotModel& m ) { m.joints[0].parent = 77; } },
-		{ "child link 78", []( RobotModel& m ) { m.joints[0].child = 78; } },
-		{ "world_from_root", [=]( RobotModel& m ) { m.worldFromRoot.r[1][1] = nan; } },
-		{ "allowed pair 0 names link 6", []( RobotModel& m ) { m.allowed.push_back( { 0, 6 } ); } },
-		{ "body 0 of link 'upper' has no shape",
-			[]( RobotModel& m ) { m.body( 1, nullptr, lw_transform_identity() ); } },
-		{ "body 0: link 12", []( RobotModel& m ) { m.body( 12, nullptr, lw_transform_identity() ); } },
+	    { "'upper' is the child of two joints", []( RobotModel& m ) { m.joints[4].child = 1; } },
+	    { "both without a parent", []( RobotModel& m ) { m.link( "orphan" ); } },
+	    { "cycle", []( RobotModel& m ) { m.joints[0].parent = 2; } },
+	    { "to itself", []( RobotModel& m ) { m.joints[1].parent = m.joints[1].child; } },
+	    { "two links are named 'palm'", []( RobotModel& m ) { m.linkNames[5] = "palm"; } },
+	    { "two joints are named 'j_palm'", []( RobotModel& m ) { m.jointNames[4] = "j_palm"; } },
+	    { "link 1 has no name", []( RobotModel& m ) { m.linkNames[1] = ""; } },
+	    { "joint 1 has no name", []( RobotModel& m ) { m.jointNames[1] = ""; } },
+	    { "'j_upper': its axis is zero", []( RobotModel& m ) { m.joints[0].axis[2] = 0; } },
+	    { "'j_upper': its axis is not finite", [=]( RobotModel& m ) { m.joints[0].axis[1] = nan; } },
+	    { "'j_upper': limits [1, -1]", []( RobotModel& m ) { m.joints[0].lower = 1, m.joints[0].upper = -1; } },
+	    { "without limits is continuous", []( RobotModel& m ) { m.joints[0].upper = INFINITY; } },
+	    { "'j_left': limits", [=]( RobotModel& m ) { m.joints[3].upper = nan; } },
+	    { "'j_left': limits", []( RobotModel& m ) { m.joints[3].lower = m.joints[3].upper = INFINITY; } },
+	    { "'j_lower': its origin", [=]( RobotModel& m ) { m.joints[1].parent_from_joint.t[2] = nan; } },
+	    { "'j_lower': its origin", []( RobotModel& m ) { m.joints[1].parent_from_joint.r[0][0] = -1; } },
+	    { "comes back to itself", []( RobotModel& m ) { m.joints[3].mimic = 4; } },
+	    { "comes back to itself", []( RobotModel& m ) { m.joints[4].mimic = 4; } },
+	    { "mimics joint 99", []( RobotModel& m ) { m.joints[4].mimic = 99; } },
+	    { "multiplier or offset", []( RobotModel& m ) { m.joints[4].mimic_multiplier = INFINITY; } },
+	    { "overflow",
+	        []( RobotModel& m )
+	        {
+		        m.joints[4].mimic_multiplier = 1e300;
+		        m.joints[3].mimic = 0;
+		        m.joints[3].mimic_multiplier = 1e300;
+	        } },
+	    { "is planar or floating and cannot mimic", []( RobotModel& m ) { m.joints[4].type = LW_JOINT_PLANAR; } },
+	    { "'j_left', which is planar or floating", []( RobotModel& m ) { m.joints[3].type = LW_JOINT_FLOATING; } },
+	    { "limits [2, 1] of its y",
+	        []( RobotModel& m )
+	        {
+		        m.joints[1].type = LW_JOINT_PLANAR;
+		        m.joints[1].position_lower[1] = 2;
+		        m.joints[1].position_upper[1] = 1;
+	        } },
+	    { "unknown type 9", []( RobotModel& m ) { m.joints[0].type = static_cast<lw_joint_type>( 9 ); } },
+	    { "parent link 77", []( RobotModel& m ) { m.joints[0].parent = 77; } },
+	    { "child link 78", []( RobotModel& m ) { m.joints[0].child = 78; } },
+	    { "world_from_root", [=]( RobotModel& m ) { m.worldFromRoot.r[1][1] = nan; } },
+	    { "allowed pair 0 names link 6",
+	        []( RobotModel& m ) {
+		        m.allowed.push_back( { 0, 6 } );
+	        } },
+	    { "body 0 of link 'upper' has no shape", []( RobotModel& m ) { m.body( 1, nullptr, lw_transform_identity() ); } },
+	    { "body 0: link 12", []( RobotModel& m ) { m.body( 12, nullptr, lw_transform_identity() ); } },
 	};
 	for ( const Mistake& mistake : mistakes )
 	{

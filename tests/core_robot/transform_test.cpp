@@ -70,9 +70,9 @@ TEST( Transform, QuaternionsComeBack )
 			turned = std::max( turned, std::fabs( back[k] + q[k] ) );
 		}
 		EXPECT_LE( std::min( same, turned ), 2e-15 ) << q[0] << ' ' << q[1] << ' ' << q[2] << ' ' << q[3];
-		++largest[std::max_element( q.begin(), q.end(),
-					  []( double a, double b ) { return std::fabs( a ) < std::fabs( b ); } ) -
-				  q.begin()];
+		++largest[std::max_element(
+		              q.begin(), q.end(), []( double a, double b ) { return std::fabs( a ) < std::fabs( b ); } ) -
+		          q.begin()];
 	}
 	for ( int count : largest )
 	{
@@ -86,7 +86,7 @@ TEST( Transform, AnglesTurnAboutFixedAxesXThenYThenZ )
 	for ( int i = 0; i < 2000; ++i )
 	{
 		const double rpy[3] = { rng.uniform( -4, 4 ), rng.uniform( -4, 4 ), rng.uniform( -4, 4 ) },
-					 position[3] = { 0.5, -1, 2 };
+		             position[3] = { 0.5, -1, 2 };
 		lw_transform t;
 		ASSERT_EQ( LW_OK, lw_transform_from_rpy( position, rpy, &t ) );
 		Matrix expected = identityMatrix();
@@ -95,8 +95,8 @@ TEST( Transform, AnglesTurnAboutFixedAxesXThenYThenZ )
 			std::array<long double, 3> axis = { 0, 0, 0 };
 			axis[k] = 1;
 			expected = product( rodrigues( axis, std::sin( static_cast<long double>( rpy[k] ) ),
-									std::cos( static_cast<long double>( rpy[k] ) ) ),
-				expected );
+			                        std::cos( static_cast<long double>( rpy[k] ) ) ),
+			    expected );
 		}
 		for ( std::size_t k = 0; k < 3; ++k )
 		{
@@ -113,12 +113,12 @@ TEST( Transform, ProductsAndInversesAreThoseOfMatrices )
 	{
 		const lw_transform a = randomTransform( rng, 2 ), b = randomTransform( rng, 2 );
 		const lw_transform ab = lw_transform_multiply( &a, &b ), back = lw_transform_inverse( &a ),
-						   none = lw_transform_multiply( &a, &back );
+		                   none = lw_transform_multiply( &a, &back );
 		EXPECT_LE( largestDifference( ab, product( matrixOf( a ), matrixOf( b ) ) ), 1e-14 );
 		EXPECT_LE( largestDifference( none, identityMatrix() ), 1e-14 );
 		const lw_vec3 p = { rng.uniform( -2, 2 ), rng.uniform( -2, 2 ), rng.uniform( -2, 2 ) };
 		const lw_vec3 inner = lw_transform_point( &b, p ), there = lw_transform_point( &a, inner ),
-					  at_once = lw_transform_point( &ab, p );
+		              at_once = lw_transform_point( &ab, p );
 		EXPECT_NEAR( there.x, at_once.x, 1e-14 );
 		EXPECT_NEAR( there.y, at_once.y, 1e-14 );
 		EXPECT_NEAR( there.z, at_once.z, 1e-14 );

@@ -135,8 +135,8 @@ TEST( Mesh, DegenerateTrianglesAreKeptAndCounted )
 {
 	Soup soup;
 	soup.add( { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } );
-	soup.add( { 1, 1, 1 }, { 1, 1, 1 }, { 2, 2, 2 } );           // segment
-	soup.add( { 5, 5, 5 }, { 5, 5, 5 }, { 5, 5, 5 } );           // point
+	soup.add( { 1, 1, 1 }, { 1, 1, 1 }, { 2, 2, 2 } );                   // segment
+	soup.add( { 5, 5, 5 }, { 5, 5, 5 }, { 5, 5, 5 } );                   // point
 	soup.add( { 0.1, 0.2, 0.3 }, { 0.4, 0.8, 1.2 }, { 0.7, 1.4, 2.1 } ); // collinear but for rounding
 	ShapePtr shape = makeMesh( soup );
 	lw_shape_info info = lw_shape_get_info( shape.get() );
@@ -192,7 +192,8 @@ TEST( Mesh, BadInputIsNamed )
 	EXPECT_EQ( create( soup.def(), diag ), LW_ERROR_BAD_GEOMETRY );
 	EXPECT_NE( std::strstr( diag.message, "no triangles" ), nullptr );
 
-	auto expectInvalid = [&]( auto&& change ) {
+	auto expectInvalid = [&]( auto&& change )
+	{
 		lw_mesh_def def = good.def();
 		change( def );
 		EXPECT_EQ( create( def, diag ), LW_ERROR_INVALID_ARGUMENT ) << diag.message;

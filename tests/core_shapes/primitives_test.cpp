@@ -30,20 +30,20 @@ std::vector<Point> surface( SeededRng& rng, lw_shape_type type, const double* d 
 		double x = std::cos( angle ) * d[0], y = std::sin( angle ) * d[0];
 		switch ( type )
 		{
-			case LW_SHAPE_BOX:
-				points.push_back(
-					{ ( i & 1 ? 0.5 : -0.5 ) * d[0], ( i & 2 ? 0.5 : -0.5 ) * d[1], ( i & 4 ? 0.5 : -0.5 ) * d[2] } );
-				break;
-			case LW_SHAPE_CYLINDER:
-				points.push_back( { x, y, top * d[1] } );
-				break;
-			case LW_SHAPE_CONE:
-				points.push_back( i == 0 ? Point{ 0, 0, 0.5 * d[1] } : Point{ x, y, -0.5 * d[1] } );
-				break;
-			default:
-				points.push_back( { n[0] / length * d[0], n[1] / length * d[0],
-					n[2] / length * d[0] + ( type == LW_SHAPE_CAPSULE ? ( n[2] > 0 ? 0.5 : -0.5 ) * d[1] : 0.0 ) } );
-				break;
+		case LW_SHAPE_BOX:
+			points.push_back(
+			    { ( i & 1 ? 0.5 : -0.5 ) * d[0], ( i & 2 ? 0.5 : -0.5 ) * d[1], ( i & 4 ? 0.5 : -0.5 ) * d[2] } );
+			break;
+		case LW_SHAPE_CYLINDER:
+			points.push_back( { x, y, top * d[1] } );
+			break;
+		case LW_SHAPE_CONE:
+			points.push_back( i == 0 ? Point{ 0, 0, 0.5 * d[1] } : Point{ x, y, -0.5 * d[1] } );
+			break;
+		default:
+			points.push_back( { n[0] / length * d[0], n[1] / length * d[0],
+			    n[2] / length * d[0] + ( type == LW_SHAPE_CAPSULE ? ( n[2] > 0 ? 0.5 : -0.5 ) * d[1] : 0.0 ) } );
+			break;
 		}
 	}
 	return points;

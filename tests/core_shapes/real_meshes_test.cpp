@@ -106,12 +106,12 @@ TEST_F( RealMeshes, TreesAreSoundAndFitsAreOrdered )
 		}
 	}
 	std::printf( "%zu triangles, %.1f bytes per triangle, %.2f triangles per leaf, %.2f children per node\n", triangles,
-		static_cast<double>( bytes ) / triangles, static_cast<double>( lanes ) / leaves,
-		static_cast<double>( children ) / nodes );
+	    static_cast<double>( bytes ) / triangles, static_cast<double>( lanes ) / leaves,
+	    static_cast<double>( children ) / nodes );
 	for ( const auto& [level, sum] : sums )
 	{
 		std::printf( "level %zu: %zu spheres, compact / minimal %.4f, greedy / minimal %.4f\n", level, counts[level],
-			sum[1] / sum[2], sum[0] / sum[2] );
+		    sum[1] / sum[2], sum[0] / sum[2] );
 		EXPECT_LE( sum[2], sum[1] * ( 1 + 1e-6 ) );
 		EXPECT_LE( sum[1], sum[0] );
 	}

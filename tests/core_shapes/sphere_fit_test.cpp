@@ -119,10 +119,10 @@ std::vector<Point> somePoints( SeededRng& rng, int kind, int count )
 		for ( int k = 0; k < 3; ++k )
 		{
 			p[k] = kind == 1   ? a * u[k] + b * v[k]
-				   : kind == 2 ? a * u[k]
-				   : kind == 3 ? p[k] / length
-				   : kind == 4 ? rng.integer( -1, 1 )
-							   : p[k];
+			       : kind == 2 ? a * u[k]
+			       : kind == 3 ? p[k] / length
+			       : kind == 4 ? rng.integer( -1, 1 )
+			                   : p[k];
 		}
 		points.push_back( kind == 5 && i > 0 ? points[static_cast<std::size_t>( rng.integer( 0, i - 1 ) )] : p );
 	}

@@ -30,10 +30,10 @@ struct AuditBench
 	EdgeAuditor auditor;
 
 	explicit AuditBench( const EdgeWorld& w )
-		: world( w ), plain( leeway::makeQuery( w.checker.get() ) ), tables( leeway::makeQuery( w.with_tables.get() ) ),
-		  audit( leeway::makeQuery( w.checker.get() ) ),
-		  auditor( w.robot.get(), w.scene.get(), w.variables, w.reference.data(), w.allowed, 1e-4,
-			  [&w]( bool self, std::uint32_t link, std::uint32_t other ) { return w.margins.of( self, link, other ); } )
+	    : world( w ), plain( leeway::makeQuery( w.checker.get() ) ), tables( leeway::makeQuery( w.with_tables.get() ) ),
+	      audit( leeway::makeQuery( w.checker.get() ) ),
+	      auditor( w.robot.get(), w.scene.get(), w.variables, w.reference.data(), w.allowed, 1e-4,
+	          [&w]( bool self, std::uint32_t link, std::uint32_t other ) { return w.margins.of( self, link, other ); } )
 	{
 	}
 
@@ -58,8 +58,8 @@ struct AuditBench
 		{
 			lw_edge_result r;
 			ASSERT_EQ( lw_checker_edge( with_tables ? world.with_tables.get() : world.checker.get(),
-						   with_tables ? tables.get() : plain.get(), motion.from.data(), motion.to.data(), &def, &r ),
-				LW_OK );
+			               with_tables ? tables.get() : plain.get(), motion.from.data(), motion.to.data(), &def, &r ),
+			    LW_OK );
 			tally.free += r.verdict == LW_VERDICT_FREE;
 			tally.blocked += r.verdict == LW_VERDICT_BLOCKED;
 			tally.undecided += r.verdict == LW_VERDICT_UNDECIDED;

@@ -347,7 +347,8 @@ void addJoint( RobotModel& model, const char* name, lw_joint_type type, std::uin
 // other way round.
 TEST( Curve, EachOfEightWindowsHasItsOwnSpeed )
 {
-	for ( const auto& [gap, multiplier] : { std::pair( -0.002, 0.0 ), std::pair( 0.002, 0.0 ), std::pair( -0.002, 4.0 ), std::pair( 0.002, 4.0 ), std::pair( -0.002, -4.0 ) } )
+	for ( const auto& [gap, multiplier] : { std::pair( -0.002, 0.0 ), std::pair( 0.002, 0.0 ), std::pair( -0.002, 4.0 ),
+	          std::pair( 0.002, 4.0 ), std::pair( -0.002, -4.0 ) } )
 	{
 		RobotModel model;
 		model.link( "base" );
@@ -456,7 +457,8 @@ TEST( Curve, TablesEndWhereAnySingleControlPointLeavesTheLimits )
 		for ( std::size_t out = 1; out < degree; ++out )
 		{
 			std::vector<double> values( degree + 1, 0.09 );
-			values[out] = 0.2; // its weight is 0.3 at least where it is largest: 0.12 is reached, and the post is met at 0.11
+			values[out] =
+			    0.2; // its weight is 0.3 at least where it is largest: 0.12 is reached, and the post is met at 0.11
 			EXPECT_EQ( world.verdict( values ), LW_VERDICT_BLOCKED ) << "point " << out << " of degree " << degree;
 		}
 	}
@@ -475,7 +477,9 @@ TEST( Curve, GridsAreLookedUpForEachStateOfALook )
 			q[2 * i] = 0;
 			q[2 * i + 1] = i < first ? -0.0999 : 0.0999; // 0.19 m away from the post, and 1 cm in it
 		}
-		ASSERT_EQ( lw_checker_states( world.checker.get(), world.query.get(), q, 8, LW_CHECK_SELF, 0, LW_STATES_FULL, verdicts, nullptr ), LW_OK );
+		ASSERT_EQ( lw_checker_states(
+		               world.checker.get(), world.query.get(), q, 8, LW_CHECK_SELF, 0, LW_STATES_FULL, verdicts, nullptr ),
+		    LW_OK );
 		for ( int i = 0; i < 8; ++i )
 		{
 			EXPECT_EQ( verdicts[i] == LW_VERDICT_FREE, i < first ) << "state " << i << " of " << first;
@@ -506,13 +510,15 @@ TEST( Curve, ObstaclesBeyondTheLimitsAreMetWhereItLeavesThem )
 	const leeway::Scene scene = oneObstacle( post.get(), along( 0.4, 0 ) );
 	const leeway::Checker checker = checkerWithReach( robot.get(), scene.get(), 0, 0.05 );
 	const leeway::Query query = leeway::makeQuery( checker.get() );
-	for ( const auto& [first, second] : { std::pair( 0.1, 0.1 ), std::pair( 0.19, 0.19 ), std::pair( 0.25, 0.0 ), std::pair( 0.0, 0.25 ) } )
+	for ( const auto& [first, second] :
+	    { std::pair( 0.1, 0.1 ), std::pair( 0.19, 0.19 ), std::pair( 0.25, 0.0 ), std::pair( 0.0, 0.25 ) } )
 	{
 		const double points[] = { 0.09, -1.6, 0.09 + first, -0.5333, 0.09 + second, 0.5333, 0.09, 1.6 };
 		const lw_edge_def edge = lw_edge_def_default();
 		lw_edge_result result;
 		ASSERT_EQ( lw_checker_curve( checker.get(), query.get(), points, 3, &edge, &result ), LW_OK );
-		EXPECT_EQ( result.verdict, first + second > 0.24 ? LW_VERDICT_BLOCKED : LW_VERDICT_FREE ) << first << ", " << second; // 0.2 is reached
+		EXPECT_EQ( result.verdict, first + second > 0.24 ? LW_VERDICT_BLOCKED : LW_VERDICT_FREE )
+		    << first << ", " << second; // 0.2 is reached
 	}
 	// a tolerance that leads beyond the limits
 	for ( const double tolerance : { 0.03, 0.13 } )

@@ -30,7 +30,7 @@ void judgeEdges( const EdgeWorlds& worlds, int count )
 		{
 			const double lengths[] = { 0.1, 0.5, 2 };
 			bench.judge(
-				bench.world.randomMotion( k % 2 == 0, lengths[k % 3], rng.engine(), bench.audit.get() ), rng, tally );
+			    bench.world.randomMotion( k % 2 == 0, lengths[k % 3], rng.engine(), bench.audit.get() ), rng, tally );
 		}
 	}
 	tally.expectVariety();
@@ -94,17 +94,18 @@ TEST( StatesData, LooksDifferFromStatesOnRealRobots )
 			const lw_check_flags flags = k % 4 == 0 ? LW_CHECK_BOTH : LW_CHECK_ENVIRONMENT;
 			const double min_d = k % 3 == 0 ? 0.02 : 0;
 			lw_verdict verdicts[8], many[8];
-			ASSERT_EQ(
-			    lw_checker_states( world.checker.get(), query.get(), q.data(), 8, flags, min_d, LW_STATES_LANES, verdicts, nullptr ),
+			ASSERT_EQ( lw_checker_states(
+			               world.checker.get(), query.get(), q.data(), 8, flags, min_d, LW_STATES_LANES, verdicts, nullptr ),
 			    LW_OK );
-			ASSERT_EQ(
-			    lw_checker_states( world.checker.get(), query.get(), q.data(), 8, flags, min_d, LW_STATES_FULL, many, nullptr ),
+			ASSERT_EQ( lw_checker_states(
+			               world.checker.get(), query.get(), q.data(), 8, flags, min_d, LW_STATES_FULL, many, nullptr ),
 			    LW_OK );
 			for ( std::size_t t = 0; t < 8; ++t )
 			{
 				bool free = false;
 				const double* state = q.data() + t * motion.from.size();
-				ASSERT_EQ( lw_checker_is_free( world.checker.get(), query.get(), state, flags, min_d, &free, nullptr ), LW_OK );
+				ASSERT_EQ(
+				    lw_checker_is_free( world.checker.get(), query.get(), state, flags, min_d, &free, nullptr ), LW_OK );
 				EXPECT_EQ( many[t] == LW_VERDICT_FREE, free ) << world.name;
 				EXPECT_TRUE( verdicts[t] != ( free ? LW_VERDICT_BLOCKED : LW_VERDICT_FREE ) ) << world.name;
 				++seen[verdicts[t]];

@@ -179,7 +179,7 @@ TEST( EdgeAudit, TheAuditorFindsAContactOfAQuarterMillimetre )
 		const double angle = rng.uniform( -0.9, 0.9 );
 		const double tip[3] = { std::cos( angle ), std::sin( angle ), -ball + overlap };
 		const double corners[9] = {
-			tip[0], tip[1], tip[2], tip[0] + 1e-3, tip[1], tip[2] - 0.5, tip[0], tip[1] + 1e-3, tip[2] - 0.5 };
+		    tip[0], tip[1], tip[2], tip[0] + 1e-3, tip[1], tip[2] - 0.5, tip[0], tip[1] + 1e-3, tip[2] - 0.5 };
 		const std::uint32_t indices[3] = { 0, 1, 2 };
 		lw_mesh_def mesh = lw_mesh_def_default();
 		mesh.vertices = corners;
@@ -206,6 +206,6 @@ TEST( EdgeAudit, TheAuditorFindsAContactOfAQuarterMillimetre )
 		EXPECT_EQ( look.contact, touches ) << "needle at " << angle << ", least distance " << look.least << " at " << look.t;
 		EXPECT_NEAR( from + ( to - from ) * look.t, angle, touches ? way : 1e-3 );
 		EXPECT_EQ( auditor.look( &from, &to, 0, ( angle + 0.99 ) / 2 ).contact, false )
-			<< "this part ends before the needle";
+		    << "this part ends before the needle";
 	}
 }

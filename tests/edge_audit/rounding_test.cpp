@@ -402,8 +402,12 @@ TEST( Roundings, TolerancesOfJointsThatMoveReachBeyondTheRounding )
 		EXPECT_LE( wide.free_radius, touching - beside ) << angle;
 		EXPECT_GE( wide.free_radius, 0.5 * ( touching - beside ) ) << angle;
 		// of a joint that stands still along the path likewise
-		EXPECT_EQ( plane.ask( { { -1, 0 }, { 0, 0 }, { 1, 0 }, { 1, 0.1 } }, 0.01, { 0, 0.9 * touching } ).verdict, LW_VERDICT_FREE ) << angle;
-		EXPECT_NE( plane.ask( { { -1, 0 }, { 0, 0 }, { 1, 0 }, { 1, 0.1 } }, 0.01, { 0, 1.1 * touching } ).verdict, LW_VERDICT_FREE ) << angle;
+		EXPECT_EQ( plane.ask( { { -1, 0 }, { 0, 0 }, { 1, 0 }, { 1, 0.1 } }, 0.01, { 0, 0.9 * touching } ).verdict,
+		    LW_VERDICT_FREE )
+		    << angle;
+		EXPECT_NE( plane.ask( { { -1, 0 }, { 0, 0 }, { 1, 0 }, { 1, 0.1 } }, 0.01, { 0, 1.1 * touching } ).verdict,
+		    LW_VERDICT_FREE )
+		    << angle;
 	}
 }
 

@@ -77,12 +77,14 @@ TEST( ProvedRuns, TurnsOfBothBodiesCount )
 		const std::vector<double> from = { first, first + away }, to = { first + turn, first + turn + inside };
 		for ( const bool swapped : { false, true } )
 		{
-			const auto order = [&]( const std::vector<double>& q )
-			{ return swapped ? std::vector<double>{ q[1], q[0] } : q; };
+			const auto order = [&]( const std::vector<double>& q ) {
+				return swapped ? std::vector<double>{ q[1], q[0] } : q;
+			};
 			const lw_edge_result run = proveRun( checker.get(), order( from ), order( to ) );
 			const double meets = ( away - contact ) / ( away - inside );
 			ASSERT_NE( run.verdict, LW_VERDICT_FREE );
-			ASSERT_LE( run.proved_until, meets * ( 1 + 1e-12 ) ) << "arm " << arm << ", ball " << radius << ", turn " << turn;
+			ASSERT_LE( run.proved_until, meets * ( 1 + 1e-12 ) )
+			    << "arm " << arm << ", ball " << radius << ", turn " << turn;
 			partial += run.proved_until > 0.3 * meets;
 		}
 	}

@@ -40,18 +40,20 @@ struct Counts
 };
 
 /// Every answer for these states against that for one state.
-void compare( const EdgeWorld& world, const lw_checker* checker, const std::vector<double>& q, double min_d, lw_check_flags flags, Counts& counts )
+void compare( const EdgeWorld& world, const lw_checker* checker, const std::vector<double>& q, double min_d,
+    lw_check_flags flags, Counts& counts )
 {
 	const std::size_t n = world.variables.size();
 	const auto count = static_cast<std::uint32_t>( q.size() / n );
 	const QueryPtr many = makeQuery( checker ), single = makeQuery( checker );
 	std::vector<lw_verdict> looks( count ), contacts( count ), full( count );
 	std::vector<lw_check_flags> open( count ), left( count );
-	ASSERT_EQ(
-	    LW_OK, lw_checker_states( checker, many.get(), q.data(), count, flags, min_d, LW_STATES_LANES, looks.data(), open.data() ) );
-	ASSERT_EQ(
-	    LW_OK, lw_checker_states( checker, many.get(), q.data(), count, flags, min_d, LW_STATES_CONTACT, contacts.data(), nullptr ) );
-	ASSERT_EQ( LW_OK, lw_checker_states( checker, many.get(), q.data(), count, flags, min_d, LW_STATES_FULL, full.data(), left.data() ) );
+	ASSERT_EQ( LW_OK, lw_checker_states(
+	                      checker, many.get(), q.data(), count, flags, min_d, LW_STATES_LANES, looks.data(), open.data() ) );
+	ASSERT_EQ( LW_OK, lw_checker_states( checker, many.get(), q.data(), count, flags, min_d, LW_STATES_CONTACT,
+	                      contacts.data(), nullptr ) );
+	ASSERT_EQ( LW_OK,
+	    lw_checker_states( checker, many.get(), q.data(), count, flags, min_d, LW_STATES_FULL, full.data(), left.data() ) );
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
 		const double* state = q.data() + i * n;
@@ -59,7 +61,8 @@ void compare( const EdgeWorld& world, const lw_checker* checker, const std::vect
 		lw_state_result exact;
 		ASSERT_EQ( LW_OK, lw_checker_is_free( checker, single.get(), state, flags, min_d, &is_free, nullptr ) );
 		ASSERT_EQ( LW_OK, lw_checker_state( checker, single.get(), state, flags, nullptr, false, &exact ) );
-		const double least = std::min( exact.environment.upper, exact.self.kind == LW_CLEARANCE_UNKNOWN ? inf : exact.self.upper );
+		const double least =
+		    std::min( exact.environment.upper, exact.self.kind == LW_CLEARANCE_UNKNOWN ? inf : exact.self.upper );
 		EXPECT_EQ( is_free, full[i] == LW_VERDICT_FREE ) << world.name << ", state " << i;
 		EXPECT_EQ( left[i] != 0, full[i] == LW_VERDICT_UNDECIDED ) << world.name << ", state " << i;
 		EXPECT_TRUE( looks[i] != LW_VERDICT_FREE || is_free ) << world.name << ", state " << i;
@@ -118,7 +121,8 @@ lw_shape* cube( double h, bool solid )
 	{
 		v.insert( v.end(), { i & 1 ? h : -h, i & 2 ? h : -h, i & 4 ? h : -h } );
 	}
-	const std::vector<std::uint32_t> f = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
+	const std::vector<std::uint32_t> f = {
+	    0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
 	lw_mesh_def def = lw_mesh_def_default();
 	def.vertices = v.data();
 	def.vertex_count = 8;
@@ -219,7 +223,8 @@ TEST( States, MarginOfAPairIsForgotten )
 		{
 			const double q[2] = { 0, 0.4 }; // spheres 5.4 cm apart
 			lw_verdict verdict;
-			ASSERT_EQ( LW_OK, lw_checker_states( checker.get(), query.get(), q, 1, flags, 0, LW_STATES_LANES, &verdict, nullptr ) );
+			ASSERT_EQ(
+			    LW_OK, lw_checker_states( checker.get(), query.get(), q, 1, flags, 0, LW_STATES_LANES, &verdict, nullptr ) );
 			EXPECT_EQ( margin < 0.05, verdict == LW_VERDICT_FREE ) << margin << ", flags " << flags;
 		}
 	}
@@ -264,8 +269,8 @@ TEST( States, BadStatesReadAsFree )
 	}
 	const double q[1] = { 1e13 }; // its place rounds by millimetres
 	EXPECT_EQ( LW_VERDICT_UNDECIDED, slider.look( q[0] ) );
-	const auto states = [&]( const lw_checker* checker, lw_query* with, std::uint32_t count, lw_check_flags flags, double min_d,
-	                        int effort, lw_verdict* out )
+	const auto states = [&]( const lw_checker* checker, lw_query* with, std::uint32_t count, lw_check_flags flags,
+	                        double min_d, int effort, lw_verdict* out )
 	{
 		const double one = 1;
 		return lw_checker_states(
@@ -283,8 +288,8 @@ TEST( States, BadStatesReadAsFree )
 		EXPECT_EQ( bad_argument, states( slider.checker, query.get(), 1, LW_CHECK_BOTH, bad, LW_STATES_FULL, &out ) );
 		EXPECT_EQ( LW_VERDICT_UNKNOWN, out );
 	}
-	EXPECT_EQ( bad_argument,
-	    states( slider.checker, query.get(), 1, static_cast<lw_check_flags>( 0 ), 0, LW_STATES_FULL, &out ) );
+	EXPECT_EQ(
+	    bad_argument, states( slider.checker, query.get(), 1, static_cast<lw_check_flags>( 0 ), 0, LW_STATES_FULL, &out ) );
 	EXPECT_EQ( bad_argument, states( nullptr, query.get(), 1, LW_CHECK_BOTH, 0, LW_STATES_FULL, &out ) );
 	EXPECT_EQ( bad_argument, states( slider.checker, nullptr, 1, LW_CHECK_BOTH, 0, LW_STATES_FULL, &out ) );
 	EXPECT_EQ( LW_VERDICT_UNKNOWN, out );
@@ -305,9 +310,11 @@ TEST( States, BaseInContactIsForgotten )
 	const QueryPtr query = makeQuery( checker.get() );
 	const double q = 0.5;
 	lw_verdict verdict;
-	ASSERT_EQ( LW_OK, lw_checker_states( checker.get(), query.get(), &q, 1, LW_CHECK_BOTH, 0.005, LW_STATES_LANES, &verdict, nullptr ) );
+	ASSERT_EQ( LW_OK,
+	    lw_checker_states( checker.get(), query.get(), &q, 1, LW_CHECK_BOTH, 0.005, LW_STATES_LANES, &verdict, nullptr ) );
 	EXPECT_EQ( LW_VERDICT_FREE, verdict );
-	ASSERT_EQ( LW_OK, lw_checker_states( checker.get(), query.get(), &q, 1, LW_CHECK_BOTH, 0.02, LW_STATES_LANES, &verdict, nullptr ) );
+	ASSERT_EQ( LW_OK,
+	    lw_checker_states( checker.get(), query.get(), &q, 1, LW_CHECK_BOTH, 0.02, LW_STATES_LANES, &verdict, nullptr ) );
 	EXPECT_NE( LW_VERDICT_FREE, verdict );
 }
 
@@ -327,11 +334,14 @@ TEST( States, LooksLeaveTraces )
 			lw_state_result a, b;
 			ASSERT_EQ( LW_OK, lw_checker_states( checker, looked.get(), q.data(), 16, LW_CHECK_BOTH, 0,
 			                      k % 2 != 0 ? LW_STATES_CONTACT : LW_STATES_LANES, verdicts.data(), nullptr ) );
-			ASSERT_EQ( LW_OK, lw_checker_state( checker, looked.get(), q.data() + k * n, LW_CHECK_BOTH, nullptr, false, &a ) );
-			ASSERT_EQ( LW_OK, lw_checker_state( checker, fresh.get(), q.data() + k * n, LW_CHECK_BOTH, nullptr, false, &b ) );
-			EXPECT_TRUE( sameBits( a.environment.lower, b.environment.lower ) && sameBits( a.environment.upper, b.environment.upper ) &&
-						 sameBits( a.self.lower, b.self.lower ) && sameBits( a.self.upper, b.self.upper ) )
-				<< world.name << ", state " << k;
+			ASSERT_EQ(
+			    LW_OK, lw_checker_state( checker, looked.get(), q.data() + k * n, LW_CHECK_BOTH, nullptr, false, &a ) );
+			ASSERT_EQ(
+			    LW_OK, lw_checker_state( checker, fresh.get(), q.data() + k * n, LW_CHECK_BOTH, nullptr, false, &b ) );
+			EXPECT_TRUE( sameBits( a.environment.lower, b.environment.lower ) &&
+			             sameBits( a.environment.upper, b.environment.upper ) && sameBits( a.self.lower, b.self.lower ) &&
+			             sameBits( a.self.upper, b.self.upper ) )
+			    << world.name << ", state " << k;
 		}
 	}
 }

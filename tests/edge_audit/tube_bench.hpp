@@ -50,8 +50,8 @@ private:
 			def.tolerance = tolerance.data();
 			lw_edge_result result;
 			ASSERT_EQ( lw_checker_edge( with_tables ? m_world.with_tables.get() : m_world.checker.get(),
-			               with_tables ? m_bench.tables.get() : m_bench.plain.get(), motion.from.data(), motion.to.data(), &def,
-			               &result ),
+			               with_tables ? m_bench.tables.get() : m_bench.plain.get(), motion.from.data(), motion.to.data(),
+			               &def, &result ),
 			    LW_OK );
 			blocked += result.verdict == LW_VERDICT_BLOCKED;
 			undecided += result.verdict == LW_VERDICT_UNDECIDED;
@@ -82,7 +82,8 @@ private:
 	{
 		for ( std::size_t i = 0; i < q.size(); ++i )
 		{
-			q[i] += inward * tolerance[i] * ( m_rng.integer( 0, 1 ) ? m_rng.uniform( -1, 1 ) : m_rng.integer( 0, 1 ) * 2 - 1 );
+			q[i] +=
+			    inward * tolerance[i] * ( m_rng.integer( 0, 1 ) ? m_rng.uniform( -1, 1 ) : m_rng.integer( 0, 1 ) * 2 - 1 );
 		}
 		return q;
 	}
@@ -122,8 +123,8 @@ private:
 	}
 
 	/// The nearest state to contact that single joints find in turn.
-	void enemy( const std::vector<double>& from, const std::vector<double>& to, double t, const std::vector<double>& tolerance,
-	    double min_d, double lower_bound )
+	void enemy( const std::vector<double>& from, const std::vector<double>& to, double t,
+	    const std::vector<double>& tolerance, double min_d, double lower_bound )
 	{
 		std::vector<double> q( from.size() );
 		lw_robot_interpolate( m_world.robot.get(), from.data(), to.data(), t, q.data() );

@@ -243,7 +243,7 @@ Truth truthOf( const Chain& chain, const Tip& tip, const std::vector<double>& q 
 	double length;
 	const std::vector<std::vector<exact::Placed>> links = chain.poses( q, &length );
 	const exact::Vec<Wide> offset = { Wide( tip.pose.t[0] ) - chain.root().t[0], Wide( tip.pose.t[1] ) - chain.root().t[1],
-		Wide( tip.pose.t[2] ) - chain.root().t[2] };
+	    Wide( tip.pose.t[2] ) - chain.root().t[2] };
 	const exact::Rotation turned( tip.pose );
 	const std::vector<exact::Placed> there = exact::place( tip.obstacle, turned, offset );
 	truth.poses = poseRounding( length, std::abs( chain.root().t[0] ) );

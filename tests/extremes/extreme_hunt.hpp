@@ -13,7 +13,7 @@ namespace extremes
 /// Judges pairs `seed`, `seed` + 1, ...: fails for each broken promise.
 /// @param least octave of sizes
 inline void hunt( std::uint64_t seed, std::uint64_t count, int least, Findings& findings,
-	ShapePair ( *generate )( Random&, Arrangement, int ) = randomShapes )
+    ShapePair ( *generate )( Random&, Arrangement, int ) = randomShapes )
 {
 	QueryPtr query = makeQuery();
 	for ( std::uint64_t i = 0; i < caseCount( count ); ++i )

@@ -49,7 +49,7 @@ TEST( ExtremeTrees, ViolationAtMinDIsLeftUndecided )
 		ASSERT_EQ( LW_OK, lw_shape_distance( box.get(), &here, ball.get(), &there, &range, query.get(), &got ) );
 		decided += got.kind == LW_CLEARANCE_VIOLATION;
 		ASSERT_TRUE( got.kind == LW_CLEARANCE_VIOLATION || got.upper - got.lower <= 1e-10 || got.kind == LW_CLEARANCE_NEAR )
-			<< i << " [" << got.lower << ", " << got.upper << "]";
+		    << i << " [" << got.lower << ", " << got.upper << "]";
 	}
 	EXPECT_GT( decided, 1000 );
 }

@@ -52,7 +52,7 @@ TEST( ExtremeTriangles, Denormals )
 		scales[1] = random.below( 2 ) == 0 ? scales[0] : std::ldexp( 1.0, -static_cast<int>( random.below( 1075 ) ) );
 		for ( int t = 0; t < 2; ++t )
 		{
-			for ( lw_vec3* v = t == 0 ? p.a : p.b, *end = v + 3; v != end; ++v )
+			for ( lw_vec3 *v = t == 0 ? p.a : p.b, *end = v + 3; v != end; ++v )
 			{
 				*v = { scales[t] * v->x, scales[t] * v->y, scales[t] * v->z };
 			}

@@ -156,7 +156,8 @@ TEST_F( Input, PipesDevicesAndFoldersAreRead )
 		expectError( [&, name = file] { (void)loadScene( name ); }, { file, problem } );
 		expectError( [&, name = file] { (void)loadRequest( name ); }, { file, problem } );
 		const std::string kind = problem.substr( 0, 3 ) == "is " ? problem.substr( 3 ) : "Too many levels";
-		expectError( [&, name = file] { (void)loadRobot( write( "r.urdf", robotOf( name ) ), "" ); }, { file + " (" + kind } );
+		expectError(
+		    [&, name = file] { (void)loadRobot( write( "r.urdf", robotOf( name ) ), "" ); }, { file + " (" + kind } );
 	}
 	writeTetrahedron( "m.obj" );
 	const std::string model = write( "r.urdf", robotOf( "m.obj" ) );
@@ -175,7 +176,8 @@ TEST_F( Input, PipesThatMeshesNameAreOpened )
 	    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
 	    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
 	    "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri": "pipe"}]})" );
-	expectError( [&] { (void)loadRobot( write( "r.urdf", robotOf( "m.gltf" ) ), "" ); }, { "m.gltf", "buffer 0", "is a pipe" } );
+	expectError(
+	    [&] { (void)loadRobot( write( "r.urdf", robotOf( "m.gltf" ) ), "" ); }, { "m.gltf", "buffer 0", "is a pipe" } );
 }
 
 TEST_F( Input, AStreamOfTheProgramIsReadToItsEndAndToTheLimit )
@@ -193,7 +195,8 @@ TEST_F( Input, AStreamOfTheProgramIsReadToItsEndAndToTheLimit )
 	const std::string text( 5000, 'x' );
 	EXPECT_EQ( streamed( text ), text );
 	const LimitScope scope( with( &Limits::file_bytes, 4999 ) );
-	expectError( [&] { (void)streamed( text ); }, { "/dev/fd/", "the limit file_bytes is 4999", "--input-limit file_bytes=N" } );
+	expectError(
+	    [&] { (void)streamed( text ); }, { "/dev/fd/", "the limit file_bytes is 4999", "--input-limit file_bytes=N" } );
 	const int zero = open( "/dev/zero", O_RDONLY );
 	expectError( [&] { (void)readWholeFile( "/dev/fd/" + std::to_string( zero ) ); }, { "is a device, not a file" } );
 	close( zero );

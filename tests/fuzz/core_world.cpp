@@ -554,7 +554,7 @@ void CoreWorld::addReach()
 	}
 	// qhull takes its memory where it wants: the leak sanitizer finds its leaks
 	const lw_status status = before != nullptr ? lw_reach_continue( before, &def, memory(), &diag, &reach )
-							   : lw_reach_create( &def, memory(), &diag, &reach );
+	                                           : lw_reach_create( &def, memory(), &diag, &reach );
 	keep( m_reaches, lw_reach_release, status, reach );
 }
 

@@ -209,7 +209,8 @@ void steps( Input input )
 			    using Kind = leeway::motions::Step::Kind;
 			    const bool with_link = step.kind == Kind::attach || step.kind == Kind::allow || step.kind == Kind::forbid;
 			    moves = moves || step.kind == Kind::trajectory;
-			    expect( ( step.kind == Kind::trajectory ) == !step.file.empty(), "a step with a trajectory has its file, no other has one" );
+			    expect( ( step.kind == Kind::trajectory ) == !step.file.empty(),
+			        "a step with a trajectory has its file, no other has one" );
 			    expect( step.kind == Kind::trajectory || !step.object.empty(), "a change of the world names an object" );
 			    expect( with_link == !step.link.empty(), "an object that is attached or allowed to touch has a link" );
 		    }

@@ -123,7 +123,8 @@ static void note( const char* call, const char* path )
 	const char* log = getenv( "LEEWAY_GUARD_LOG" );
 	char line[PATH_MAX + 64];
 	const int length = snprintf( line, sizeof( line ), "%s %s\n", call, path );
-	const long file = log != NULL ? syscall( SYS_openat, AT_FDCWD, log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666 ) : -1;
+	const long file =
+	    log != NULL ? syscall( SYS_openat, AT_FDCWD, log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666 ) : -1;
 	if ( file >= 0 && length > 0 )
 	{
 		const size_t size = (size_t)length < sizeof( line ) ? (size_t)length : sizeof( line ) - 1;
@@ -164,40 +165,42 @@ static bool may_fopen( const char* call, const char* path, const char* mode )
 
 // ---- files that are opened
 
-#define GUARD_OPEN( name )                                                                                                     \
-	PUBLIC int name( const char* path, int flags, ... )                                                                        \
-	{                                                                                                                          \
-		va_list more;                                                                                                          \
-		va_start( more, flags );                                                                                               \
-		const mode_t mode = ( flags & ( O_CREAT | O_TMPFILE ) ) != 0 ? va_arg( more, mode_t ) : 0;                             \
-		va_end( more );                                                                                                        \
-		return may_open( #name, AT_FDCWD, path, flags ) ? NEXT( int ( * )( const char*, int, ... ), name )( path, flags, mode ) : -1; \
+#define GUARD_OPEN( name )                                                                                                  \
+	PUBLIC int name( const char* path, int flags, ... )                                                                     \
+	{                                                                                                                       \
+		va_list more;                                                                                                       \
+		va_start( more, flags );                                                                                            \
+		const mode_t mode = ( flags & ( O_CREAT | O_TMPFILE ) ) != 0 ? va_arg( more, mode_t ) : 0;                          \
+		va_end( more );                                                                                                     \
+		return may_open( #name, AT_FDCWD, path, flags )                                                                     \
+		           ? NEXT( int ( * )( const char*, int, ... ), name )( path, flags, mode )                                  \
+		           : -1;                                                                                                    \
 	}
 
-#define GUARD_OPENAT( name )                                                                                                   \
-	PUBLIC int name( int folder, const char* path, int flags, ... )                                                            \
-	{                                                                                                                          \
-		va_list more;                                                                                                          \
-		va_start( more, flags );                                                                                               \
-		const mode_t mode = ( flags & ( O_CREAT | O_TMPFILE ) ) != 0 ? va_arg( more, mode_t ) : 0;                             \
-		va_end( more );                                                                                                        \
-		return may_open( #name, folder, path, flags )                                                                          \
-		           ? NEXT( int ( * )( int, const char*, int, ... ), name )( folder, path, flags, mode )                        \
-		           : -1;                                                                                                       \
+#define GUARD_OPENAT( name )                                                                                                \
+	PUBLIC int name( int folder, const char* path, int flags, ... )                                                         \
+	{                                                                                                                       \
+		va_list more;                                                                                                       \
+		va_start( more, flags );                                                                                            \
+		const mode_t mode = ( flags & ( O_CREAT | O_TMPFILE ) ) != 0 ? va_arg( more, mode_t ) : 0;                          \
+		va_end( more );                                                                                                     \
+		return may_open( #name, folder, path, flags )                                                                       \
+		           ? NEXT( int ( * )( int, const char*, int, ... ), name )( folder, path, flags, mode )                     \
+		           : -1;                                                                                                    \
 	}
 
-#define GUARD_FOPEN( name )                                                                                                    \
-	PUBLIC FILE* name( const char* path, const char* mode )                                                                    \
-	{                                                                                                                          \
-		return may_fopen( #name, path, mode ) ? NEXT( FILE * (*)( const char*, const char* ), name )( path, mode ) : NULL;     \
+#define GUARD_FOPEN( name )                                                                                                 \
+	PUBLIC FILE* name( const char* path, const char* mode )                                                                 \
+	{                                                                                                                       \
+		return may_fopen( #name, path, mode ) ? NEXT( FILE * (*)(const char*, const char*), name )( path, mode ) : NULL;    \
 	}
 
-#define GUARD_FREOPEN( name )                                                                                                  \
-	PUBLIC FILE* name( const char* path, const char* mode, FILE* stream )                                                      \
-	{                                                                                                                          \
-		return path == NULL || may_fopen( #name, path, mode )                                                                  \
-		           ? NEXT( FILE * (*)( const char*, const char*, FILE* ), name )( path, mode, stream )                         \
-		           : NULL;                                                                                                     \
+#define GUARD_FREOPEN( name )                                                                                               \
+	PUBLIC FILE* name( const char* path, const char* mode, FILE* stream )                                                   \
+	{                                                                                                                       \
+		return path == NULL || may_fopen( #name, path, mode )                                                               \
+		           ? NEXT( FILE * (*)(const char*, const char*, FILE*), name )( path, mode, stream )                        \
+		           : NULL;                                                                                                  \
 	}
 
 GUARD_OPEN( open )
@@ -229,10 +232,10 @@ PUBLIC int __openat64_2( int folder, const char* path, int flags )
 
 // ---- calls with one path that change something
 
-#define GUARD_ONE( result, name, bad, parameters, arguments, folder, path )                                                    \
-	PUBLIC result name parameters                                                                                              \
-	{                                                                                                                          \
-		return may_write( #name, folder, path ) ? NEXT( result( * ) parameters, name ) arguments : bad;                        \
+#define GUARD_ONE( result, name, bad, parameters, arguments, folder, path )                                                 \
+	PUBLIC result name parameters                                                                                           \
+	{                                                                                                                       \
+		return may_write( #name, folder, path ) ? NEXT( result( * ) parameters, name ) arguments : bad;                     \
 	}
 
 GUARD_ONE( int, creat, -1, ( const char* path, mode_t mode ), ( path, mode ), AT_FDCWD, path )
@@ -246,17 +249,20 @@ GUARD_ONE( int, mkdirat, -1, ( int folder, const char* path, mode_t mode ), ( fo
 GUARD_ONE( int, mkfifo, -1, ( const char* path, mode_t mode ), ( path, mode ), AT_FDCWD, path )
 GUARD_ONE( int, mkfifoat, -1, ( int folder, const char* path, mode_t mode ), ( folder, path, mode ), folder, path )
 GUARD_ONE( int, mknod, -1, ( const char* path, mode_t mode, dev_t device ), ( path, mode, device ), AT_FDCWD, path )
-GUARD_ONE( int, mknodat, -1, ( int folder, const char* path, mode_t mode, dev_t device ), ( folder, path, mode, device ), folder, path )
+GUARD_ONE( int, mknodat, -1, ( int folder, const char* path, mode_t mode, dev_t device ), ( folder, path, mode, device ),
+    folder, path )
 GUARD_ONE( int, symlink, -1, ( const char* target, const char* path ), ( target, path ), AT_FDCWD, path )
 GUARD_ONE( int, symlinkat, -1, ( const char* target, int folder, const char* path ), ( target, folder, path ), folder, path )
 GUARD_ONE( int, truncate, -1, ( const char* path, off_t size ), ( path, size ), AT_FDCWD, path )
 GUARD_ONE( int, truncate64, -1, ( const char* path, off64_t size ), ( path, size ), AT_FDCWD, path )
 GUARD_ONE( int, chmod, -1, ( const char* path, mode_t mode ), ( path, mode ), AT_FDCWD, path )
-GUARD_ONE( int, fchmodat, -1, ( int folder, const char* path, mode_t mode, int flags ), ( folder, path, mode, flags ), folder, path )
+GUARD_ONE( int, fchmodat, -1, ( int folder, const char* path, mode_t mode, int flags ), ( folder, path, mode, flags ),
+    folder, path )
 GUARD_ONE( int, chown, -1, ( const char* path, uid_t user, gid_t group ), ( path, user, group ), AT_FDCWD, path )
 GUARD_ONE( int, lchown, -1, ( const char* path, uid_t user, gid_t group ), ( path, user, group ), AT_FDCWD, path )
 GUARD_ONE( int, utimes, -1, ( const char* path, const struct timeval times[2] ), ( path, times ), AT_FDCWD, path )
-GUARD_ONE( int, utimensat, -1, ( int folder, const char* path, const struct timespec times[2], int flags ), ( folder, path, times, flags ), folder, path )
+GUARD_ONE( int, utimensat, -1, ( int folder, const char* path, const struct timespec times[2], int flags ),
+    ( folder, path, times, flags ), folder, path )
 GUARD_ONE( int, mkstemp, -1, ( char* path ), ( path ), AT_FDCWD, path )
 GUARD_ONE( int, mkstemp64, -1, ( char* path ), ( path ), AT_FDCWD, path )
 GUARD_ONE( int, mkostemp, -1, ( char* path, int flags ), ( path, flags ), AT_FDCWD, path )
@@ -264,9 +270,10 @@ GUARD_ONE( int, mkostemp64, -1, ( char* path, int flags ), ( path, flags ), AT_F
 GUARD_ONE( int, mkstemps, -1, ( char* path, int ending ), ( path, ending ), AT_FDCWD, path )
 GUARD_ONE( int, mkstemps64, -1, ( char* path, int ending ), ( path, ending ), AT_FDCWD, path )
 GUARD_ONE( char*, mkdtemp, NULL, ( char* path ), ( path ), AT_FDCWD, path )
-GUARD_ONE( FILE*, tmpfile, NULL, ( void ), (), AT_FDCWD, "/tmp/tmpfile" )
-GUARD_ONE( FILE*, tmpfile64, NULL, ( void ), (), AT_FDCWD, "/tmp/tmpfile" )
-GUARD_ONE( int, execve, -1, ( const char* path, char* const* words, char* const* variables ), ( path, words, variables ), AT_FDCWD, path )
+GUARD_ONE( FILE*, tmpfile, NULL, (void), (), AT_FDCWD, "/tmp/tmpfile" )
+GUARD_ONE( FILE*, tmpfile64, NULL, (void), (), AT_FDCWD, "/tmp/tmpfile" )
+GUARD_ONE( int, execve, -1, ( const char* path, char* const* words, char* const* variables ), ( path, words, variables ),
+    AT_FDCWD, path )
 GUARD_ONE( int, execv, -1, ( const char* path, char* const* words ), ( path, words ), AT_FDCWD, path )
 GUARD_ONE( int, execvp, -1, ( const char* path, char* const* words ), ( path, words ), AT_FDCWD, path )
 GUARD_ONE( int, system, -1, ( const char* command ), ( command ), AT_FDCWD, command )
@@ -303,9 +310,9 @@ PUBLIC int link( const char* from, const char* to )
 
 PUBLIC int linkat( int from_folder, const char* from, int to_folder, const char* to, int flags )
 {
-	return may_write( "linkat", to_folder, to )
-	           ? NEXT( int ( * )( int, const char*, int, const char*, int ), linkat )( from_folder, from, to_folder, to, flags )
-	           : -1;
+	return may_write( "linkat", to_folder, to ) ? NEXT( int ( * )( int, const char*, int, const char*, int ), linkat )(
+	                                                  from_folder, from, to_folder, to, flags )
+	                                            : -1;
 }
 
 // ---- the network

@@ -24,36 +24,36 @@ struct Meaningless
 	const char *field, *why;
 };
 const std::vector<Meaningless> urdf_table = {
-	{ "robot/material", "colours are for pictures" },
-	{ "robot/link/visual", "what is seen is not what collides (--visual asks for it, with a notice)" },
-	{ "robot/link/inertial", "masses move no link" },
-	{ "robot/link/collision@name", "names of geometry are the author's" },
-	{ "robot/joint/dynamics", "friction and damping move no link" },
-	{ "robot/joint/calibration", "of the joint's sensor" },
-	{ "robot/joint/safety_controller", "bounds of a controller, within the limits of the joint" },
-	{ "robot/joint/limit@effort", "forces move no link" },
-	{ "robot/transmission", "of motors, for controllers" },
-	{ "robot/gazebo", "of a simulator" },
+    { "robot/material", "colours are for pictures" },
+    { "robot/link/visual", "what is seen is not what collides (--visual asks for it, with a notice)" },
+    { "robot/link/inertial", "masses move no link" },
+    { "robot/link/collision@name", "names of geometry are the author's" },
+    { "robot/joint/dynamics", "friction and damping move no link" },
+    { "robot/joint/calibration", "of the joint's sensor" },
+    { "robot/joint/safety_controller", "bounds of a controller, within the limits of the joint" },
+    { "robot/joint/limit@effort", "forces move no link" },
+    { "robot/transmission", "of motors, for controllers" },
+    { "robot/gazebo", "of a simulator" },
 };
 const std::vector<Meaningless> srdf_table = {
-	{ "robot/end_effector", "which group is a hand: no geometry, and no pair" },
-	{ "robot@name", "without a name it is taken to be of the robot at hand; another name is a notice" },
-	{ "robot/passive_joint", "a joint without a motor moves in its limits like others, if a group has it" },
+    { "robot/end_effector", "which group is a hand: no geometry, and no pair" },
+    { "robot@name", "without a name it is taken to be of the robot at hand; another name is a notice" },
+    { "robot/passive_joint", "a joint without a motor moves in its limits like others, if a group has it" },
 };
 const std::vector<Meaningless> scene_table = {
-	{ "robot_model_name", "the robot is named by --robot" },
-	{ "world.collision_objects[].operation", "ADD, the only one that is not refused, is the default" },
-	{ "allowed_collision_matrix.entry_values[=][=]", "a thing against itself" },
-	{ "world.collision_objects[].header.stamp", "when the message was sent" },
+    { "robot_model_name", "the robot is named by --robot" },
+    { "world.collision_objects[].operation", "ADD, the only one that is not refused, is the default" },
+    { "allowed_collision_matrix.entry_values[=][=]", "a thing against itself" },
+    { "world.collision_objects[].header.stamp", "when the message was sent" },
 };
 const std::vector<Meaningless> request_table = {
-	{ "planner_id", "which planner searches says nothing of the problem" },
-	{ "pipeline_id", "as planner_id" },
-	{ "num_planning_attempts", "how often to plan" },
-	{ "max_velocity_scaling_factor", "how fast to drive" },
-	{ "max_acceleration_scaling_factor", "how fast to drive" },
-	{ "workspace_parameters", "bounds a base that moves freely: here the limits of its joints do" },
-	{ "goal_constraints[].joint_constraints[].weight", "orders constraints that contradict each other" },
+    { "planner_id", "which planner searches says nothing of the problem" },
+    { "pipeline_id", "as planner_id" },
+    { "num_planning_attempts", "how often to plan" },
+    { "max_velocity_scaling_factor", "how fast to drive" },
+    { "max_acceleration_scaling_factor", "how fast to drive" },
+    { "workspace_parameters", "bounds a base that moves freely: here the limits of its joints do" },
+    { "goal_constraints[].joint_constraints[].weight", "orders constraints that contradict each other" },
 };
 
 std::string text( const lw_transform& pose )
@@ -101,9 +101,9 @@ std::string text( const RobotModel& model )
 	}
 	for ( const JointModel& joint : model.joints )
 	{
-		out += fmt::format( "{} {} {} {} {} axis {} {} {} limits {} {} {} mimic {} {} {}\n", joint.name, int( joint.type ), joint.parent,
-		    joint.child, text( joint.parent_from_joint ), joint.axis[0], joint.axis[1], joint.axis[2], joint.lower, joint.upper,
-		    joint.velocity, joint.mimic, joint.mimic_multiplier, joint.mimic_offset );
+		out += fmt::format( "{} {} {} {} {} axis {} {} {} limits {} {} {} mimic {} {} {}\n", joint.name, int( joint.type ),
+		    joint.parent, joint.child, text( joint.parent_from_joint ), joint.axis[0], joint.axis[1], joint.axis[2],
+		    joint.lower, joint.upper, joint.velocity, joint.mimic, joint.mimic_multiplier, joint.mimic_offset );
 	}
 	for ( const DisabledPair& pair : model.disabled )
 	{
@@ -134,10 +134,11 @@ std::string text( const SceneModel& scene )
 	}
 	for ( const AttachedObject& held : scene.attached )
 	{
-		out += fmt::format( "{} in {}{} held by {}, touching {}\n", held.object.name, held.object.frame, text( held.object.shapes ), held.link,
-		    all( held.touch_links ) );
+		out += fmt::format( "{} in {}{} held by {}, touching {}\n", held.object.name, held.object.frame,
+		    text( held.object.shapes ), held.link, all( held.touch_links ) );
 	}
-	for ( const auto& [names, kind] : { std::pair( scene.default_allowed, "default" ), std::pair( scene.matrix_names, "matrix" ) } )
+	for ( const auto& [names, kind] :
+	    { std::pair( scene.default_allowed, "default" ), std::pair( scene.matrix_names, "matrix" ) } )
 	{
 		out += fmt::format( "{} {}\n", kind, all( names ) );
 	}
@@ -185,8 +186,8 @@ std::string text( const Request& request )
 	}
 	for ( const OrientationGoal& goal : request.goal_orientations )
 	{
-		out += fmt::format( "goal of {} in {}: {} {} {}\n", goal.link, goal.frame, all( goal.quaternion ), all( goal.tolerance ),
-		    int( goal.parameterization ) );
+		out += fmt::format( "goal of {} in {}: {} {} {}\n", goal.link, goal.frame, all( goal.quaternion ),
+		    all( goal.tolerance ), int( goal.parameterization ) );
 	}
 	return out + text( request.notices );
 }
@@ -198,7 +199,8 @@ protected:
 	std::string urdf, srdf, scene, request;
 
 	/// The models, a problem of the group, and clearances at its start; or the error.
-	std::string answer( const std::string& a_urdf, const std::string& a_srdf, const std::string& a_scene, const std::string& a_request ) const
+	std::string answer( const std::string& a_urdf, const std::string& a_srdf, const std::string& a_scene,
+	    const std::string& a_request ) const
 	{
 		std::string out;
 		try
@@ -215,7 +217,8 @@ protected:
 			options.group = asked.group;
 			const Problem problem = buildProblem( robot, options );
 			const lw_digest digest = lw_robot_digest( problem.robot.get() );
-			out += fmt::format( "{:x} {:x} {}\n", digest.word[0], digest.word[1], all( problem.variable_names ) ) + text( problem.notices );
+			out += fmt::format( "{:x} {:x} {}\n", digest.word[0], digest.word[1], all( problem.variable_names ) ) +
+			       text( problem.notices );
 			for ( const auto& [name, pose] : problem.object_poses )
 			{
 				out += fmt::format( "{} {}\n", name, text( pose ) );
@@ -223,7 +226,8 @@ protected:
 			const std::vector<double> q = startState( problem );
 			const leeway::Query query = leeway::makeQuery( problem.checker.get() );
 			lw_state_result result;
-			const lw_status status = lw_checker_state( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &result );
+			const lw_status status =
+			    lw_checker_state( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &result );
 			out += fmt::format( "{}: {} {} {}\n", all( q ), int( status ), result.environment.lower, result.self.lower );
 			out += asked.hasPoseGoal() ? "" : all( goalState( problem, asked ) );
 		}
@@ -235,8 +239,9 @@ protected:
 	}
 
 	/// Each field of one file. @param with the answer if that file has this text
-	void expectNoneIsDropped( const std::vector<std::pair<std::string, std::string>>& mutants, const std::vector<Meaningless>& table,
-	    std::set<std::string>& met, const std::function<std::string( const std::string& )>& with, const std::string& good )
+	void expectNoneIsDropped( const std::vector<std::pair<std::string, std::string>>& mutants,
+	    const std::vector<Meaningless>& table, std::set<std::string>& met,
+	    const std::function<std::string( const std::string& )>& with, const std::string& good )
 	{
 		EXPECT_EQ( good.find( "error: " ), std::string::npos ) << good;
 		for ( const auto& [field, content] : mutants )
@@ -247,9 +252,10 @@ protected:
 			for ( const Meaningless& candidate : table )
 			{
 				const std::string name = candidate.field;
-				const bool below = bare.size() > name.size() && ( bare[name.size()] == '/' || bare[name.size()] == '@' || bare[name.size()] == '.' ||
-				                                                    bare[name.size()] == '[' );
-				entry = bare.compare( 0, name.size(), name ) == 0 && ( bare.size() == name.size() || below ) ? &candidate : entry;
+				const bool below = bare.size() > name.size() && ( bare[name.size()] == '/' || bare[name.size()] == '@' ||
+				                                                    bare[name.size()] == '.' || bare[name.size()] == '[' );
+				entry = bare.compare( 0, name.size(), name ) == 0 && ( bare.size() == name.size() || below ) ? &candidate
+				                                                                                             : entry;
 			}
 			EXPECT_TRUE( !same || entry != nullptr ) << field << " is dropped silently; the file was\n" << content;
 			if ( same && entry != nullptr )
@@ -263,7 +269,8 @@ protected:
 	{
 		for ( const Meaningless& entry : table )
 		{
-			EXPECT_EQ( met.count( entry.field ), 1u ) << entry.field << " is in the table, and has a meaning or is in no file";
+			EXPECT_EQ( met.count( entry.field ), 1u )
+			    << entry.field << " is in the table, and has a meaning or is in no file";
 		}
 	}
 
@@ -309,27 +316,34 @@ std::string randomUrdf( SeededRng& rng )
 		out += fmt::format( "<link name='l{}'>", i );
 		for ( int k = rng.integer( 1, 2 ); k > 0; --k )
 		{
-			out += fmt::format( "<collision name='c{}'>", k ) + origin( rng, 0.01, 0.1 ) + "<geometry>" + geometry( rng ) + "</geometry></collision>";
+			out += fmt::format( "<collision name='c{}'>", k ) + origin( rng, 0.01, 0.1 ) + "<geometry>" + geometry( rng ) +
+			       "</geometry></collision>";
 		}
-		out += "<visual>" + origin( rng, 0.1, 1 ) + "<geometry>" + geometry( rng ) + "</geometry><material name='red'/></visual>";
+		out += "<visual>" + origin( rng, 0.1, 1 ) + "<geometry>" + geometry( rng ) +
+		       "</geometry><material name='red'/></visual>";
 		out += "<inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>";
 	}
 	const char* types[] = { "revolute", "prismatic", "continuous", "revolute", "fixed" };
 	for ( int i = 1; i < 6; ++i )
 	{
 		const std::string type = types[i - 1];
-		out += fmt::format( "<joint name='j{}' type='{}'><parent link='l{}'/><child link='l{}'/>", i, type, i - 1, i ) + origin( rng, 0.3, 0.6 );
+		out += fmt::format( "<joint name='j{}' type='{}'><parent link='l{}'/><child link='l{}'/>", i, type, i - 1, i ) +
+		       origin( rng, 0.3, 0.6 );
 		out += type != "fixed" ? "<axis xyz='" + three( rng, 0.2, 1 ) + "'/>" : "";
 		out += type == "revolute" || type == "prismatic"
-		           ? "<limit lower='" + number( rng, -2, -1 ) + "' upper='" + number( rng, 1, 2 ) + "' effort='5' velocity='" + number( rng, 1, 2 ) + "'/>"
+		           ? "<limit lower='" + number( rng, -2, -1 ) + "' upper='" + number( rng, 1, 2 ) +
+		                 "' effort='5' velocity='" + number( rng, 1, 2 ) + "'/>"
 		           : "";
-		out += i == 4 ? "<mimic joint='j1' multiplier='" + number( rng, 0.2, 0.9 ) + "' offset='" + number( rng, 0.1, 0.2 ) + "'/>" : "";
+		out += i == 4 ? "<mimic joint='j1' multiplier='" + number( rng, 0.2, 0.9 ) + "' offset='" + number( rng, 0.1, 0.2 ) +
+		                    "'/>"
+		              : "";
 		out += i == 1 ? "<dynamics damping='0.5' friction='0.25'/><calibration rising='0.5'/>"
 		                "<safety_controller k_velocity='5' k_position='7' soft_lower_limit='-0.5' soft_upper_limit='0.5'/>"
 		              : "";
 		out += "</joint>";
 	}
-	return out + "<transmission name='t'><type>simple</type><joint name='j1'/></transmission><gazebo reference='l1'><mu1>0.2</mu1></gazebo></robot>";
+	return out +
+	       "<transmission name='t'><type>simple</type><joint name='j1'/></transmission><gazebo reference='l1'><mu1>0.2</mu1></gazebo></robot>";
 }
 
 std::string randomSrdf( SeededRng& rng )
@@ -357,32 +371,41 @@ std::string randomScene( SeededRng& rng )
 	return "name: room\nrobot_model_name: r\nworld:\n  collision_objects:\n    - id: box\n      header: {frame_id: l0, stamp: {sec: 3, nanosec: 5}}\n"
 	       "      operation: ADD\n      pose: " +
 	       poseOf( rng, 3, 4 ) + "\n      primitives: [{type: box, dimensions: " + vector( rng, 0.1, 0.3 ) +
-	       "}, {type: sphere, dimensions: [" + number( rng, 0.1, 0.3 ) + "]}]\n      primitive_poses: [" + poseOf( rng, 0.1, 1 ) + ", " +
-	       poseOf( rng, 0.1, 1 ) + "]\n    - id: mesh\n      header: {frame_id: camera}\n      meshes: [{vertices: [[0, 0, 0], [1, 0, 0], [0, " +
+	       "}, {type: sphere, dimensions: [" + number( rng, 0.1, 0.3 ) + "]}]\n      primitive_poses: [" +
+	       poseOf( rng, 0.1, 1 ) + ", " + poseOf( rng, 0.1, 1 ) +
+	       "]\n    - id: mesh\n      header: {frame_id: camera}\n      meshes: [{vertices: [[0, 0, 0], [1, 0, 0], [0, " +
 	       number( rng, 1, 2 ) + ", 0]], triangles: [[0, 1, 2]]}]\n      mesh_poses: [" + poseOf( rng, 3, 4 ) +
-	       "]\n    - id: cloud\n      leeway_shapes: [{type: spheres, spheres: [[5, 5, 5, 0.25]], pose: " + poseOf( rng, 0.1, 1 ) +
+	       "]\n    - id: cloud\n      leeway_shapes: [{type: spheres, spheres: [[5, 5, 5, 0.25]], pose: " +
+	       poseOf( rng, 0.1, 1 ) +
 	       "}]\nallowed_collision_matrix:\n  entry_names: [l5, mesh]\n  entry_values: [[false, true], [true, false]]\n"
 	       "  default_entry_names: [cloud]\n  default_entry_values: [true]\nrobot_state:\n  joint_state: {name: [j3], position: [" +
 	       number( rng, 0.1, 0.5 ) +
 	       "]}\n  attached_collision_objects:\n    - link_name: l5\n      touch_links: [l4]\n      object: {id: cup, header: {frame_id: l5}, primitives: "
 	       "[{type: cylinder, dimensions: [0.1, 0.05]}], primitive_poses: [" +
-	       poseOf( rng, 0.1, 0.2 ) + "]}\nfixed_frame_transforms: [{header: {frame_id: world}, child_frame_id: camera, transform: {translation: " +
-	       vector( rng, 0.1, 0.5 ) + ", rotation: [0.6, 0, 0, 0.8]}}]\nlink_padding: [{link_name: l1, padding: " + number( rng, 0.01, 0.02 ) +
+	       poseOf( rng, 0.1, 0.2 ) +
+	       "]}\nfixed_frame_transforms: [{header: {frame_id: world}, child_frame_id: camera, transform: {translation: " +
+	       vector( rng, 0.1, 0.5 ) +
+	       ", rotation: [0.6, 0, 0, 0.8]}}]\nlink_padding: [{link_name: l1, padding: " + number( rng, 0.01, 0.02 ) +
 	       "}]\nlink_scale: [{link_name: l2, scale: " + number( rng, 1.1, 1.2 ) + "}]\n";
 }
 
 std::string randomRequest( SeededRng& rng, bool pose_goal )
 {
-	const std::string joints = "      - {joint_name: j1, position: " + number( rng, 0.1, 0.5 ) + ", tolerance_above: 0.01, tolerance_below: 0.02, weight: 0.5}\n"
-	                           "      - {joint_name: j2, position: " + number( rng, 0.1, 0.5 ) + "}\n";
-	const std::string poses = "    position_constraints:\n      - {header: {frame_id: world}, link_name: l5, target_point_offset: {x: 0.1, y: 0.2, z: 0.3}, "
-	                          "constraint_region: {primitives: [{type: box, dimensions: [0.1, 0.2, 0.3]}], primitive_poses: [" +
-	                          poseOf( rng, 0.1, 1 ) + "]}}\n    orientation_constraints:\n      - {header: {frame_id: world}, link_name: l5, orientation: [0.6, 0, 0, "
-	                          "0.8], absolute_x_axis_tolerance: 0.1, absolute_y_axis_tolerance: 0.2, absolute_z_axis_tolerance: 0.3}\n";
+	const std::string joints = "      - {joint_name: j1, position: " + number( rng, 0.1, 0.5 ) +
+	                           ", tolerance_above: 0.01, tolerance_below: 0.02, weight: 0.5}\n"
+	                           "      - {joint_name: j2, position: " +
+	                           number( rng, 0.1, 0.5 ) + "}\n";
+	const std::string poses =
+	    "    position_constraints:\n      - {header: {frame_id: world}, link_name: l5, target_point_offset: {x: 0.1, y: 0.2, z: 0.3}, "
+	    "constraint_region: {primitives: [{type: box, dimensions: [0.1, 0.2, 0.3]}], primitive_poses: [" +
+	    poseOf( rng, 0.1, 1 ) +
+	    "]}}\n    orientation_constraints:\n      - {header: {frame_id: world}, link_name: l5, orientation: [0.6, 0, 0, "
+	    "0.8], absolute_x_axis_tolerance: 0.1, absolute_y_axis_tolerance: 0.2, absolute_z_axis_tolerance: 0.3}\n";
 	return "group_name: arm\nplanner_id: RRTConnect\npipeline_id: ompl\nnum_planning_attempts: 3\nallowed_planning_time: 7\n"
 	       "max_velocity_scaling_factor: 0.5\nmax_acceleration_scaling_factor: 0.5\nworkspace_parameters: {min_corner: {x: -1, y: -1, z: -1}, max_corner: {x: 1, y: "
 	       "1, z: 1}}\nstart_state:\n  joint_state: {name: [j1, j2], position: [" +
-	       number( rng, 0.1, 0.5 ) + ", " + number( rng, 0.1, 0.5 ) + "]}\ngoal_constraints:\n  - joint_constraints:\n" + joints + ( pose_goal ? poses : "" );
+	       number( rng, 0.1, 0.5 ) + ", " + number( rng, 0.1, 0.5 ) + "]}\ngoal_constraints:\n  - joint_constraints:\n" +
+	       joints + ( pose_goal ? poses : "" );
 }
 
 // ---- one field less, or another --------------------------------------------------------------------------------------------------
@@ -413,7 +436,8 @@ std::vector<tinyxml2::XMLElement*> elementsOf( tinyxml2::XMLElement* root )
 	std::vector<tinyxml2::XMLElement*> out = { root };
 	for ( std::size_t i = 0; i < out.size(); ++i )
 	{
-		for ( tinyxml2::XMLElement* child = out[i]->FirstChildElement(); child != nullptr; child = child->NextSiblingElement() )
+		for ( tinyxml2::XMLElement* child = out[i]->FirstChildElement(); child != nullptr;
+		      child = child->NextSiblingElement() )
 		{
 			out.push_back( child );
 		}
@@ -424,7 +448,8 @@ std::vector<tinyxml2::XMLElement*> elementsOf( tinyxml2::XMLElement* root )
 std::string placeOf( const tinyxml2::XMLNode* element )
 {
 	const tinyxml2::XMLNode* parent = element->Parent();
-	return ( parent != nullptr && parent->ToElement() != nullptr ? placeOf( parent ) + "/" : std::string() ) + element->Value();
+	return ( parent != nullptr && parent->ToElement() != nullptr ? placeOf( parent ) + "/" : std::string() ) +
+	       element->Value();
 }
 
 Mutants mutantsOfXml( const std::string& good )
@@ -584,10 +609,18 @@ TEST_F( DroppedTest, AFieldOfAFileHasNoSay )
 		scene = randomScene( rng );
 		request = randomRequest( rng, i == 1 );
 		const std::string good = answer( urdf, srdf, scene, request );
-		expectNoneIsDropped( mutantsOfXml( urdf ), urdf_table, met[0], [&]( const std::string& t ) { return answer( t, srdf, scene, request ); }, good );
-		expectNoneIsDropped( mutantsOfXml( srdf ), srdf_table, met[1], [&]( const std::string& t ) { return answer( urdf, t, scene, request ); }, good );
-		expectNoneIsDropped( mutantsOfYaml( scene ), scene_table, met[2], [&]( const std::string& t ) { return answer( urdf, srdf, t, request ); }, good );
-		expectNoneIsDropped( mutantsOfYaml( request ), request_table, met[3], [&]( const std::string& t ) { return answer( urdf, srdf, scene, t ); }, good );
+		expectNoneIsDropped(
+		    mutantsOfXml( urdf ), urdf_table, met[0],
+		    [&]( const std::string& t ) { return answer( t, srdf, scene, request ); }, good );
+		expectNoneIsDropped(
+		    mutantsOfXml( srdf ), srdf_table, met[1],
+		    [&]( const std::string& t ) { return answer( urdf, t, scene, request ); }, good );
+		expectNoneIsDropped(
+		    mutantsOfYaml( scene ), scene_table, met[2],
+		    [&]( const std::string& t ) { return answer( urdf, srdf, t, request ); }, good );
+		expectNoneIsDropped(
+		    mutantsOfYaml( request ), request_table, met[3],
+		    [&]( const std::string& t ) { return answer( urdf, srdf, scene, t ); }, good );
 	}
 	expectAllMet( urdf_table, met[0] );
 	expectAllMet( srdf_table, met[1] );

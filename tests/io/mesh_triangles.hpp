@@ -20,9 +20,9 @@ class MeshTriangles : public FileTest
 protected:
 	std::vector<Triangle> load( const std::string& mesh )
 	{
-		const std::string urdf = write( "robot.urdf",
-		    "<robot name=\"r\"><link name=\"base\"><collision><geometry><mesh filename=\"" + mesh +
-		        "\"/></geometry></collision></link></robot>" );
+		const std::string urdf =
+		    write( "robot.urdf", "<robot name=\"r\"><link name=\"base\"><collision><geometry><mesh filename=\"" + mesh +
+		                             "\"/></geometry></collision></link></robot>" );
 		m_model = leeway::io::loadRobot( urdf, "" );
 		const lw_shape* shape = m_model.links[0].collision[0].shape.get();
 		std::vector<Triangle> out( lw_shape_get_info( shape ).triangle_count );

@@ -2,7 +2,6 @@
 // The native planner behind OMPL's interface: the calls that OMPL's own tests and tools make.
 #include "planner_rig.hpp"
 
-
 #include "leeway/planners/ompl_planner.hpp"
 
 #include <ompl/base/DiscreteMotionValidator.h>
@@ -63,8 +62,8 @@ TEST( NativeOmplPlanner, PathsAreFreeAllTheWay )
 	for ( const char* name : { "Gantry", "Arm", "Cart", "Carrier" } )
 	{
 		SCOPED_TRACE( name );
-		solveAndAudit( worldOf( name ), []( const ob::SpaceInformationPtr& si ) -> ob::PlannerPtr
-		    { return std::make_shared<OmplPlanner>( si ); } );
+		solveAndAudit( worldOf( name ),
+		    []( const ob::SpaceInformationPtr& si ) -> ob::PlannerPtr { return std::make_shared<OmplPlanner>( si ); } );
 	}
 }
 

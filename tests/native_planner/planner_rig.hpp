@@ -71,7 +71,8 @@ inline void audit( const leeway::Checker& checker, const planners::Path& path, d
 				q[v] = between[lw_checker_variable( checker.get(), v )];
 			}
 			lw_state_result state;
-			ASSERT_EQ( lw_checker_state( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &state ), LW_OK );
+			ASSERT_EQ(
+			    lw_checker_state( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, nullptr, false, &state ), LW_OK );
 			ASSERT_GT( std::min( state.environment.lower, state.self.lower ), margin - 1e-9 )
 			    << "edge " << i << " at " << k << "/" << count;
 		}

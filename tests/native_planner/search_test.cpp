@@ -306,8 +306,7 @@ TEST( NativePlanner, PollEndsTheSearch )
 }
 
 /// The message of the InputError that the call throws; empty if it throws none.
-template <typename Call>
-std::string inputError( const Call& call )
+template <typename Call> std::string inputError( const Call& call )
 {
 	try
 	{
@@ -388,9 +387,9 @@ TEST( NativePlannerRange, FollowsTheRobotNotItsLimits )
 	// the same arm with a base that may travel 100 m instead of 1 m
 	const auto make = []( double travel )
 	{
-		return makeChecker( { slider( "rail", 0, -travel, travel, makeBall( 0.1 ) ),
-		                        hinge( "shoulder", LW_JOINT_REVOLUTE, 0, 0.4, -2, 2 ),
-		                        hinge( "elbow", LW_JOINT_REVOLUTE, 0.4, 0.3, -2, 2 ) },
+		return makeChecker(
+		    { slider( "rail", 0, -travel, travel, makeBall( 0.1 ) ), hinge( "shoulder", LW_JOINT_REVOLUTE, 0, 0.4, -2, 2 ),
+		        hinge( "elbow", LW_JOINT_REVOLUTE, 0.4, 0.3, -2, 2 ) },
 		    {} );
 	};
 	const double near = planners::Planner( make( 1 ), {} ).range(), far = planners::Planner( make( 100 ), {} ).range();

@@ -45,7 +45,8 @@ TEST( NativeSmoother, PathsGetShorterAndStayFree )
 		const double before = planners::length( problem.checker.get(), path );
 		const std::vector<double> start = stateOf( path, 0 ), goal = stateOf( path, path.count() - 1 );
 		planners::Statistics work;
-		ASSERT_EQ( planners::smooth( problem.checker.get(), problem.query.get(), thorough( 0.004 ), {}, path, &work ), LW_OK );
+		ASSERT_EQ(
+		    planners::smooth( problem.checker.get(), problem.query.get(), thorough( 0.004 ), {}, path, &work ), LW_OK );
 		EXPECT_LT( planners::length( problem.checker.get(), path ), before );
 		EXPECT_EQ( stateOf( path, 0 ), start );
 		EXPECT_EQ( stateOf( path, path.count() - 1 ), goal );
@@ -60,13 +61,15 @@ TEST( NativeSmoother, EveryEdgeIsJudgedFree )
 	{
 		Problem problem( worldOf( "Arm" ), withMargin( 0.004 ) );
 		planners::Path path = longPath( problem );
-		ASSERT_EQ( planners::smooth( problem.checker.get(), problem.query.get(), thorough( 0.004, seed ), {}, path ), LW_OK );
+		ASSERT_EQ(
+		    planners::smooth( problem.checker.get(), problem.query.get(), thorough( 0.004, seed ), {}, path ), LW_OK );
 		lw_edge_def def = lw_edge_def_default();
 		def.min_d = 0.004;
 		for ( std::size_t i = 0; i + 1 < path.count(); ++i )
 		{
 			lw_edge_result edge;
-			ASSERT_EQ( lw_checker_edge( problem.checker.get(), problem.query.get(), path[i], path[i + 1], &def, &edge ), LW_OK );
+			ASSERT_EQ(
+			    lw_checker_edge( problem.checker.get(), problem.query.get(), path[i], path[i + 1], &def, &edge ), LW_OK );
 			EXPECT_EQ( edge.verdict, LW_VERDICT_FREE ) << "seed " << seed << ", edge " << i << " of " << path.count();
 		}
 	}
@@ -122,8 +125,8 @@ TEST( NativeSmoother, SameSeedSamePath )
 
 TEST( NativeSmoother, FreeDetoursBecomeStraight )
 {
-	const leeway::Checker checker = makeChecker(
-	    { slider( "rail x", 0, -1, 1 ), slider( "rail y", 1, -1, 1, makeBox( 0.1, 0.1, 0.1 ) ) }, {} );
+	const leeway::Checker checker =
+	    makeChecker( { slider( "rail x", 0, -1, 1 ), slider( "rail y", 1, -1, 1, makeBox( 0.1, 0.1, 0.1 ) ) }, {} );
 	const leeway::Query query = leeway::makeQuery( checker.get() );
 	planners::Path path{ 2, { -0.5, 0, -0.2, 0.7, 0, -0.7, 0.3, 0.6, 0.5, 0 } };
 	ASSERT_EQ( planners::smooth( checker.get(), query.get(), {}, {}, path ), LW_OK );
@@ -155,7 +158,8 @@ TEST( NativeSmoother, ShortPathsStayAsTheyAre )
 {
 	const leeway::Checker checker = worldOf( "Gantry" ).make();
 	const leeway::Query query = leeway::makeQuery( checker.get() );
-	for ( const std::vector<double>& values : { std::vector<double>{ -0.8, -0.8 }, std::vector<double>{ -0.8, -0.8, -0.5, -0.8 } } )
+	for ( const std::vector<double>& values :
+	    { std::vector<double>{ -0.8, -0.8 }, std::vector<double>{ -0.8, -0.8, -0.5, -0.8 } } )
 	{
 		planners::Path path{ 2, values };
 		ASSERT_EQ( planners::smooth( checker.get(), query.get(), thorough(), {}, path ), LW_OK );

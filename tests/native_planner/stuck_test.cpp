@@ -141,8 +141,8 @@ TEST( NativeStuck, FreeTravelEndsAtTheFirstStateThatIsNotFree )
 					for ( bool free = true; free && travel < most; travel = std::min( most, travel + 1e-3 ) )
 					{
 						q[i] = end[i] + sign * travel;
-						ASSERT_EQ( lw_checker_is_free(
-						               problem.checker.get(), problem.query.get(), q.data(), LW_CHECK_BOTH, 0, &free, nullptr ),
+						ASSERT_EQ( lw_checker_is_free( problem.checker.get(), problem.query.get(), q.data(), LW_CHECK_BOTH,
+						               0, &free, nullptr ),
 						    LW_OK );
 						if ( !free )
 						{

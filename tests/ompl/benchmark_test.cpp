@@ -57,13 +57,13 @@ TEST( BenchmarkLog, CarriesTheCountersOfEachRun )
 	const leeway::ompl::Counters before = rig.engine->counters();
 	int started = 0, ended = 0;
 	leeway::ompl::addRunProperties(
-		benchmark, rig.engine, [&]( const ob::PlannerPtr& ) { ++started; },
-		[&]( const ob::PlannerPtr& planner, ot::Benchmark::RunProperties& run )
-		{
-			++ended;
-			run["name of planner STRING"] = planner->getName();
-			EXPECT_GT( number( run, "leeway edges INTEGER" ), 0u ) << "events of the user's come after";
-		} );
+	    benchmark, rig.engine, [&]( const ob::PlannerPtr& ) { ++started; },
+	    [&]( const ob::PlannerPtr& planner, ot::Benchmark::RunProperties& run )
+	    {
+		    ++ended;
+		    run["name of planner STRING"] = planner->getName();
+		    EXPECT_GT( number( run, "leeway edges INTEGER" ), 0u ) << "events of the user's come after";
+	    } );
 	ot::Benchmark::Request request( 20, 4096, 3 );
 	request.displayProgress = false;
 	request.saveConsoleOutput = false;
@@ -81,9 +81,9 @@ TEST( BenchmarkLog, CarriesTheCountersOfEachRun )
 			edges += number( run, "leeway edges INTEGER" );
 			states += number( run, "leeway states INTEGER" );
 			queries += number( run, "leeway edge queries INTEGER" );
-			EXPECT_EQ( number( run, "leeway edges INTEGER" ),
-				number( run, "leeway edges free INTEGER" ) + number( run, "leeway edges blocked INTEGER" ) +
-					number( run, "leeway edges undecided INTEGER" ) );
+			EXPECT_EQ( number( run, "leeway edges INTEGER" ), number( run, "leeway edges free INTEGER" ) +
+			                                                      number( run, "leeway edges blocked INTEGER" ) +
+			                                                      number( run, "leeway edges undecided INTEGER" ) );
 			EXPECT_GT( number( run, "leeway edges free INTEGER" ), 0u );
 			EXPECT_EQ( number( run, "leeway motion costs INTEGER" ), 0u );
 			EXPECT_EQ( run.count( "name of planner STRING" ), 1u );

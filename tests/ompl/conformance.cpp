@@ -13,9 +13,15 @@ namespace ob = ::ompl::base;
 namespace conformance
 {
 
-void PrintTo( const Subject& subject, std::ostream* out ) { *out << subject.name; }
+void PrintTo( const Subject& subject, std::ostream* out )
+{
+	*out << subject.name;
+}
 
-std::string name( const testing::TestParamInfo<Subject>& info ) { return info.param.name; }
+std::string name( const testing::TestParamInfo<Subject>& info )
+{
+	return info.param.name;
+}
 
 } // namespace conformance
 
@@ -27,7 +33,10 @@ std::string name( const testing::TestParamInfo<Subject>& info ) { return info.pa
 // For rotations OMPL's distance is an arc cosine: its noise is the root of the rounding.
 constexpr double near_enough = 1e-6;
 
-Conformance::Conformance() : instance( GetParam().make() ) { ::ompl::msg::setLogLevel( ::ompl::msg::LOG_ERROR ); }
+Conformance::Conformance() : instance( GetParam().make() )
+{
+	::ompl::msg::setLogLevel( ::ompl::msg::LOG_ERROR );
+}
 
 Conformance::~Conformance()
 {
@@ -156,7 +165,7 @@ TEST_P( Conformance, NonFiniteStatesAreInvalid )
 	for ( unsigned i = 0; i < values.size(); ++i )
 	{
 		for ( double wrong : { std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
-				  -std::numeric_limits<double>::infinity() } )
+		          -std::numeric_limits<double>::infinity() } )
 		{
 			ob::State* bad = copy( good );
 			*space().getValueAddressAtIndex( bad, i ) = wrong;
@@ -488,13 +497,14 @@ TEST_P( Conformance, ThreadsLoseNoCounts )
 	std::vector<std::thread> pool;
 	for ( unsigned i = 0; i < threads; ++i )
 	{
-		pool.emplace_back( [&]
-			{
-				for ( unsigned k = 0; k < count; ++k )
-				{
-					motions().checkMotion( good, bad );
-				}
-			} );
+		pool.emplace_back(
+		    [&]
+		    {
+			    for ( unsigned k = 0; k < count; ++k )
+			    {
+				    motions().checkMotion( good, bad );
+			    }
+		    } );
 	}
 	for ( std::thread& thread : pool )
 	{

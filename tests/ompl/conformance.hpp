@@ -33,7 +33,7 @@ struct Exceptions
 	const char* again = nullptr;        ///< the motion from the start to the last valid state is valid
 	const char* same_clearance = nullptr; ///< clearance() is the same number whatever was asked before
 	const char* still = nullptr;          ///< the motion from a valid state to itself is valid
-	const char* thread_counts = nullptr; ///< the motion counters lose nothing when threads share the validator
+	const char* thread_counts = nullptr;  ///< the motion counters lose nothing when threads share the validator
 };
 
 /// States as numbers in the order of StateSpace::copyToReals().
@@ -52,7 +52,7 @@ struct Instance
 	/// By how much a state is valid, found by other means than those under test: > 0 valid, else invalid. In the unit of
 	/// clearance(). Called from one thread at a time.
 	std::function<double( const ::ompl::base::State* )> room;
-	double tolerance = 1e-9; ///< of `room`: nearer to 0 than this either answer is right
+	double tolerance = 1e-9;                         ///< of `room`: nearer to 0 than this either answer is right
 	std::vector<std::vector<double>> valid, invalid; ///< states within the bounds
 	std::vector<Motion> motions;                     ///< between valid states; at least one of each kind
 	/// Makes a state of the given one that is out of bounds; empty if the space has none.

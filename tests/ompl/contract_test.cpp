@@ -45,7 +45,7 @@ class PlainChecker : public ob::StateValidityChecker
 {
 public:
 	PlainChecker( const ob::SpaceInformationPtr& si, ob::StateValidityCheckerPtr judge )
-		: ob::StateValidityChecker( si ), m_judge( std::move( judge ) )
+	    : ob::StateValidityChecker( si ), m_judge( std::move( judge ) )
 	{
 	}
 	bool isValid( const ob::State* state ) const override { return m_judge->isValid( state ); }
@@ -98,7 +98,7 @@ conformance::Instance makeInstance( const World& world, Kind kind )
 		if ( kind == Kind::ompl )
 		{
 			rig->si->setStateValidityChecker(
-				std::make_shared<PlainChecker>( rig->si, rig->si->getStateValidityChecker() ) );
+			    std::make_shared<PlainChecker>( rig->si, rig->si->getStateValidityChecker() ) );
 		}
 		rig->si->setMotionValidator( std::make_shared<ob::DiscreteMotionValidator>( rig->si ) );
 		rig->si->setup();
@@ -160,7 +160,7 @@ std::vector<conformance::Subject> subjects()
 	auto add = [&]( const World& world, Kind kind, const char* kind_name )
 	{
 		result.push_back( { std::string( world.name ) + kind_name, [world, kind] { return makeInstance( world, kind ); },
-			exceptionsOf( kind ) } );
+		    exceptionsOf( kind ) } );
 	};
 	for ( const World& world : worlds() )
 	{
@@ -184,7 +184,10 @@ class CheckerContract : public testing::TestWithParam<World>
 {
 };
 
-std::string worldName( const testing::TestParamInfo<World>& info ) { return info.param.name; }
+std::string worldName( const testing::TestParamInfo<World>& info )
+{
+	return info.param.name;
+}
 
 TEST_P( CheckerContract, ClearanceIsAsTightAsAlphaSays )
 {
@@ -399,7 +402,8 @@ TEST_P( CertifiedMotion, ValidMotionsAreFreeWithinTheirTolerance )
 					q[v] += ( 1 - 1e-9 ) * options.tolerance[v] * ( rng.integer( 0, 1 ) ? 1 : -1 );
 				}
 				bool free = false;
-				ASSERT_EQ( lw_checker_is_free( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, 0, &free, nullptr ), LW_OK );
+				ASSERT_EQ(
+				    lw_checker_is_free( checker.get(), query.get(), q.data(), LW_CHECK_BOTH, 0, &free, nullptr ), LW_OK );
 				ASSERT_TRUE( free ) << "beside t = " << until * k / 40;
 			}
 		}
@@ -452,7 +456,7 @@ TEST_P( CertifiedMotion, StartWithinTheSlackIsNoReasonToStayThere )
 		rig.sample( rng, goal.get() );
 		std::pair<ob::State*, double> last_valid( last.get(), 0 );
 		if ( !( room > 0.05 * options.slack && room < 0.3 * options.slack ) ||
-			rig.si->checkMotion( start.get(), goal.get(), last_valid ) )
+		     rig.si->checkMotion( start.get(), goal.get(), last_valid ) )
 		{
 			continue;
 		}
@@ -485,7 +489,8 @@ TEST( MotionBounds, LastValidStatesAreTheEndsOfFreeMotions )
 	{
 		const double gap = rng.uniform( 0.3, 1 );
 		const Rig rig( makeChecker( { slider( "rail", 0, -2, 2, makeBall( radius ) ) },
-			{ { makeBox( 2 * wall, 1, 1 ), at( -radius - wall, 0, 0 ) }, { makeBox( 2 * wall, 1, 1 ), at( gap + radius + wall, 0, 0 ) } } ) );
+		    { { makeBox( 2 * wall, 1, 1 ), at( -radius - wall, 0, 0 ) },
+		        { makeBox( 2 * wall, 1, 1 ), at( gap + radius + wall, 0, 0 ) } } ) );
 		ob::ScopedState<> s1( rig.space ), s2( rig.space ), last( rig.space );
 		s1[0] = rng.uniform( 0.01, 0.9 ) * options.slack;
 		s2[0] = gap + rng.uniform( 0.001, 0.3 );
@@ -563,7 +568,7 @@ struct Answer
 
 /// Asks everything about motions [first, count) in steps of `stride`.
 void askAll( const Rig& rig, const std::vector<ob::State*>& states, std::size_t first, std::size_t stride,
-	std::vector<Answer>& answers )
+    std::vector<Answer>& answers )
 {
 	const ob::StateValidityChecker& checker = *rig.si->getStateValidityChecker();
 	ob::State* last = rig.si->allocState();
@@ -574,7 +579,7 @@ void askAll( const Rig& rig, const std::vector<ob::State*>& states, std::size_t 
 		answer.clearance = checker.clearance( states[i] );
 		std::pair<ob::State*, double> last_valid( last, 1 );
 		answer.motion = i % 2 == 0 ? rig.si->checkMotion( states[i], states[i + 1] )
-								   : rig.si->checkMotion( states[i], states[i + 1], last_valid );
+		                           : rig.si->checkMotion( states[i], states[i + 1], last_valid );
 		if ( !answer.motion && answer.state && i % 2 == 1 )
 		{
 			// a slot shared by two threads would mix their states
@@ -601,7 +606,7 @@ bool isClose( const Rig& rig, lw_query* query, const ob::State* s1, const ob::St
 TEST( MotionCounters, RefusedPairsAreNamed )
 {
 	const leeway::Checker checker = makeChecker( { slider( "cart", 0, -1, 1, makeBox( 0.2, 0.2, 0.2 ) ) },
-		{ { makeBox( 4, 1, 4 ), at( 0, 0.6 + 1e-10, 0 ) }, { makeBox( 0.1, 0.1, 0.1 ), at( 0, -1, 0 ) } } );
+	    { { makeBox( 4, 1, 4 ), at( 0, 0.6 + 1e-10, 0 ) }, { makeBox( 0.1, 0.1, 0.1 ), at( 0, -1, 0 ) } } );
 	Rig rig( checker, {} );
 	EXPECT_TRUE( rig.engine->undecidedPairs().empty() );
 	EXPECT_EQ( "", rig.engine->describeUndecided() );

@@ -29,7 +29,7 @@ void* allocate( std::size_t size, std::size_t align )
 		return nullptr;
 	}
 	return align > alignof( std::max_align_t ) ? std::aligned_alloc( align, ( size + align - 1 ) / align * align )
-											   : std::malloc( size > 0 ? size : 1 );
+	                                           : std::malloc( size > 0 ? size : 1 );
 }
 
 void* allocateOrThrow( std::size_t size, std::size_t align )
@@ -47,36 +47,36 @@ void* allocateOrThrow( std::size_t size, std::size_t align )
 // C allocations of the statically linked core: the linker sends them here (--wrap).
 extern "C"
 {
-void* __real_malloc( std::size_t size );
-void* __real_calloc( std::size_t count, std::size_t size );
-void* __real_realloc( void* memory, std::size_t size );
-void* __real_aligned_alloc( std::size_t align, std::size_t size );
+	void* __real_malloc( std::size_t size );
+	void* __real_calloc( std::size_t count, std::size_t size );
+	void* __real_realloc( void* memory, std::size_t size );
+	void* __real_aligned_alloc( std::size_t align, std::size_t size );
 
-void* __wrap_malloc( std::size_t size );
-void* __wrap_calloc( std::size_t count, std::size_t size );
-void* __wrap_realloc( void* memory, std::size_t size );
-void* __wrap_aligned_alloc( std::size_t align, std::size_t size );
+	void* __wrap_malloc( std::size_t size );
+	void* __wrap_calloc( std::size_t count, std::size_t size );
+	void* __wrap_realloc( void* memory, std::size_t size );
+	void* __wrap_aligned_alloc( std::size_t align, std::size_t size );
 
-void* __wrap_malloc( std::size_t size )
-{
-	allocations.fetch_add( 1, std::memory_order_relaxed );
-	return core_out_of_memory ? nullptr : __real_malloc( size );
-}
-void* __wrap_calloc( std::size_t count, std::size_t size )
-{
-	allocations.fetch_add( 1, std::memory_order_relaxed );
-	return core_out_of_memory ? nullptr : __real_calloc( count, size );
-}
-void* __wrap_realloc( void* memory, std::size_t size )
-{
-	allocations.fetch_add( 1, std::memory_order_relaxed );
-	return core_out_of_memory ? nullptr : __real_realloc( memory, size );
-}
-void* __wrap_aligned_alloc( std::size_t align, std::size_t size )
-{
-	allocations.fetch_add( 1, std::memory_order_relaxed );
-	return core_out_of_memory ? nullptr : __real_aligned_alloc( align, size );
-}
+	void* __wrap_malloc( std::size_t size )
+	{
+		allocations.fetch_add( 1, std::memory_order_relaxed );
+		return core_out_of_memory ? nullptr : __real_malloc( size );
+	}
+	void* __wrap_calloc( std::size_t count, std::size_t size )
+	{
+		allocations.fetch_add( 1, std::memory_order_relaxed );
+		return core_out_of_memory ? nullptr : __real_calloc( count, size );
+	}
+	void* __wrap_realloc( void* memory, std::size_t size )
+	{
+		allocations.fetch_add( 1, std::memory_order_relaxed );
+		return core_out_of_memory ? nullptr : __real_realloc( memory, size );
+	}
+	void* __wrap_aligned_alloc( std::size_t align, std::size_t size )
+	{
+		allocations.fetch_add( 1, std::memory_order_relaxed );
+		return core_out_of_memory ? nullptr : __real_aligned_alloc( align, size );
+	}
 }
 
 // Those of C++, here and in OMPL. All forms: the library's default for one form calls another, but a sanitizer's does not.

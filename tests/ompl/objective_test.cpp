@@ -110,7 +110,7 @@ TEST_P( Objective, TheWorkIsBounded )
 	{
 		const ClearanceObjective objective( rig.si, rig.engine, tolerance );
 		const double halvings =
-			std::log2( std::log( options.max_d / ( options.min_d + options.slack ) ) / std::log1p( tolerance ) );
+		    std::log2( std::log( options.max_d / ( options.min_d + options.slack ) ) / std::log1p( tolerance ) );
 		for ( int i = 0; i < 60; ++i )
 		{
 			rig.sample( rng, s1.get() );
@@ -162,7 +162,7 @@ TEST_P( Objective, DirectionDoesNotMatter )
 }
 
 INSTANTIATE_TEST_SUITE_P( Worlds, Objective, testing::ValuesIn( worlds() ),
-	[]( const testing::TestParamInfo<World>& world ) { return std::string( world.param.name ); } );
+    []( const testing::TestParamInfo<World>& world ) { return std::string( world.param.name ); } );
 
 TEST( ObjectiveRules, PassedObstaclesCountNotOnlyTheEnds )
 {
@@ -196,8 +196,8 @@ TEST( ObjectiveRules, ANarrowDipIsFoundInFewChecks )
 	{
 		const double clearance = rng.uniform( 0.001, 0.02 );
 		const Rig rig( makeChecker( { slider( "rail", 0, -1, 1, makeBall( 0.01 ) ) },
-						   { { makeBall( 0.01 ), at( rng.uniform( -0.9, 0.9 ), 0.02 + clearance, 0 ) } } ),
-			options );
+		                   { { makeBall( 0.01 ), at( rng.uniform( -0.9, 0.9 ), 0.02 + clearance, 0 ) } } ),
+		    options );
 		ob::ScopedState<> s1( rig.space ), s2( rig.space );
 		s1[0] = -1;
 		s2[0] = 1;
@@ -209,7 +209,7 @@ TEST( ObjectiveRules, ANarrowDipIsFoundInFewChecks )
 			EXPECT_LE( cost, clearance + 1e-12 );
 			EXPECT_GE( cost, clearance / ( 1 + tolerance ) - 1e-9 );
 			EXPECT_LE( double( rig.engine->counters().cost_edges - before.cost_edges ),
-				8 + std::log2( std::log( options.max_d / options.slack ) / std::log1p( tolerance ) ) );
+			    8 + std::log2( std::log( options.max_d / options.slack ) / std::log1p( tolerance ) ) );
 		}
 	}
 }
@@ -243,8 +243,8 @@ TEST( ObjectiveRules, PlannersMayRelyOnTheAlgebra )
 		rig.sample( rng, other.get() );
 		EXPECT_NEAR( value( objective.stateCost( state.get() ) ), value( omplOwn.stateCost( state.get() ) ), 1e-9 );
 		// admissible: never worse than the truth
-		EXPECT_FALSE( objective.isCostBetterThan( objective.motionCost( state.get(), other.get() ),
-			objective.motionCostHeuristic( state.get(), other.get() ) ) );
+		EXPECT_FALSE( objective.isCostBetterThan(
+		    objective.motionCost( state.get(), other.get() ), objective.motionCostHeuristic( state.get(), other.get() ) ) );
 	}
 }
 
@@ -361,8 +361,8 @@ TEST( ObjectiveThreads, AllGetTheSameCosts )
 
 /// Plans through the gap of the gantry's wall, 15 cm wide on both sides of the box; a limit of time that none should need.
 template <typename Planner>
-std::shared_ptr<og::PathGeometric> plan( const Rig& rig, const ob::OptimizationObjectivePtr& objective,
-	const std::shared_ptr<Planner>& planner )
+std::shared_ptr<og::PathGeometric> plan(
+    const Rig& rig, const ob::OptimizationObjectivePtr& objective, const std::shared_ptr<Planner>& planner )
 {
 	ob::ScopedState<> start( rig.space ), goal( rig.space );
 	rig.engine->adapter().fromVector( worlds()[0].start.data(), start.get() );
@@ -417,25 +417,25 @@ void expectRoom( const Run& run )
 TEST( ObjectivePlanners, RRTstarKeepsAway )
 {
 	expectRoom( []( const Rig& rig, const ob::OptimizationObjectivePtr& objective )
-		{ return plan( rig, objective, std::make_shared<og::RRTstar>( rig.si ) ); } );
+	    { return plan( rig, objective, std::make_shared<og::RRTstar>( rig.si ) ); } );
 }
 
 TEST( ObjectivePlanners, PRMstarKeepsAwayWithItsThreads )
 {
 	expectRoom( []( const Rig& rig, const ob::OptimizationObjectivePtr& objective )
-		{ return plan( rig, objective, std::make_shared<og::PRMstar>( rig.si ) ); } );
+	    { return plan( rig, objective, std::make_shared<og::PRMstar>( rig.si ) ); } );
 }
 
 TEST( ObjectivePlanners, CForestKeepsAwayWithThreads )
 {
 	expectRoom(
-		[]( const Rig& rig, const ob::OptimizationObjectivePtr& objective )
-		{
-			const auto forest = std::make_shared<og::CForest>( rig.si );
-			forest->setNumThreads( 3 );
-			forest->setFocusSearch( false ); // it knows path lengths only
-			return plan( rig, objective, forest );
-		} );
+	    []( const Rig& rig, const ob::OptimizationObjectivePtr& objective )
+	    {
+		    const auto forest = std::make_shared<og::CForest>( rig.si );
+		    forest->setNumThreads( 3 );
+		    forest->setFocusSearch( false ); // it knows path lengths only
+		    return plan( rig, objective, forest );
+	    } );
 }
 
 } // namespace

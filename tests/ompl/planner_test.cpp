@@ -29,10 +29,12 @@ struct NamedPlanner
 	ob::PlannerPtr ( *make )( const ob::SpaceInformationPtr& si );
 };
 
-void PrintTo( const NamedPlanner& planner, std::ostream* out ) { *out << planner.name; }
+void PrintTo( const NamedPlanner& planner, std::ostream* out )
+{
+	*out << planner.name;
+}
 
-template <typename Planner>
-ob::PlannerPtr make( const ob::SpaceInformationPtr& si )
+template <typename Planner> ob::PlannerPtr make( const ob::SpaceInformationPtr& si )
 {
 	return std::make_shared<Planner>( si );
 }
@@ -47,7 +49,7 @@ ob::PlannerPtr makeParallel( const ob::SpaceInformationPtr& si )
 ob::PlannerPtr makeForest( const ob::SpaceInformationPtr& si )
 {
 	auto planner = std::make_shared<og::CForest>( si );
-	planner->setNumThreads( 4 ); // of RRTstar
+	planner->setNumThreads( 4 );      // of RRTstar
 	planner->setFocusSearch( false ); // OMPL's informed samplers know no compound spaces
 	return planner;
 }
@@ -65,12 +67,12 @@ ob::PlannerPtr makeShortening( const ob::SpaceInformationPtr& si )
 
 // RRTs and PRM ask by two states; the KPIECE family, PDST and STRIDE for the last valid state.
 const std::vector<NamedPlanner> planners = { { "RRTConnect", make<og::RRTConnect> }, { "RRTstar", make<og::RRTstar> },
-	{ "PRM", make<og::PRM> }, { "KPIECE1", make<og::KPIECE1> }, { "BKPIECE1", make<og::BKPIECE1> },
-	{ "LBKPIECE1", make<og::LBKPIECE1> }, { "PDST", make<og::PDST> }, { "STRIDE", make<og::STRIDE> } };
+    { "PRM", make<og::PRM> }, { "KPIECE1", make<og::KPIECE1> }, { "BKPIECE1", make<og::BKPIECE1> },
+    { "LBKPIECE1", make<og::LBKPIECE1> }, { "PDST", make<og::PDST> }, { "STRIDE", make<og::STRIDE> } };
 
 // pSBL is in a program of its own, psbl_test.cpp.
-const std::vector<NamedPlanner> planners_with_threads = { { "pRRT", makeParallel }, { "CForest", makeForest },
-	{ "AnytimePathShortening", makeShortening } };
+const std::vector<NamedPlanner> planners_with_threads = {
+    { "pRRT", makeParallel }, { "CForest", makeForest }, { "AnytimePathShortening", makeShortening } };
 
 class Planners : public testing::TestWithParam<std::tuple<World, NamedPlanner>>
 {
@@ -86,10 +88,10 @@ std::string plannerName( const testing::TestParamInfo<std::tuple<World, NamedPla
 	return std::string( std::get<0>( info.param ).name ) + std::get<1>( info.param ).name;
 }
 
-INSTANTIATE_TEST_SUITE_P( All, Planners,
-	testing::Combine( testing::ValuesIn( worlds() ), testing::ValuesIn( planners ) ), plannerName );
+INSTANTIATE_TEST_SUITE_P(
+    All, Planners, testing::Combine( testing::ValuesIn( worlds() ), testing::ValuesIn( planners ) ), plannerName );
 INSTANTIATE_TEST_SUITE_P( Threads, Planners,
-	testing::Combine( testing::ValuesIn( worlds() ), testing::ValuesIn( planners_with_threads ) ), plannerName );
+    testing::Combine( testing::ValuesIn( worlds() ), testing::ValuesIn( planners_with_threads ) ), plannerName );
 
 TEST( PlannerThreads, AGoalSamplerAsksWhileThePlannerRuns )
 {

@@ -37,7 +37,7 @@ inline void audit( const Rig& rig, const og::PathGeometric& path )
 		{
 			rig.space->interpolate( s1, s2, double( k ) / count, between.get() );
 			ASSERT_GT( exactClearance( rig, query.get(), between.get() ), min_d - 1e-9 )
-				<< "edge " << i << " at " << k << "/" << count;
+			    << "edge " << i << " at " << k << "/" << count;
 		}
 	}
 }
@@ -64,7 +64,7 @@ inline void solveAndAudit( const World& problem, ob::PlannerPtr ( *make )( const
 	planner->setProblemDefinition( definition );
 	planner->setup();
 	const ob::PlannerTerminationCondition enough = ob::plannerOrTerminationCondition(
-		ob::timedPlannerTerminationCondition( patience ), ob::exactSolnPlannerTerminationCondition( definition ) );
+	    ob::timedPlannerTerminationCondition( patience ), ob::exactSolnPlannerTerminationCondition( definition ) );
 	ASSERT_EQ( planner->solve( enough ), ob::PlannerStatus::EXACT_SOLUTION );
 
 	auto path = std::dynamic_pointer_cast<og::PathGeometric>( definition->getSolutionPath() );
@@ -79,5 +79,5 @@ inline void solveAndAudit( const World& problem, ob::PlannerPtr ( *make )( const
 	og::PathSimplifier( rig.si ).simplifyMax( *path );
 	audit( rig, *path );
 	EXPECT_EQ( rig.engine->counters().edges,
-		rig.engine->counters().free + rig.engine->counters().blocked + rig.engine->counters().undecided );
+	    rig.engine->counters().free + rig.engine->counters().blocked + rig.engine->counters().undecided );
 }

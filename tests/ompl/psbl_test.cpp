@@ -16,13 +16,13 @@ extern "C" const char* __tsan_default_suppressions();
 extern "C" const char* __tsan_default_suppressions()
 {
 	return "mutex:ompl::geometric::pSBL::threadSolve\n"
-		   "deadlock:ompl::geometric::pSBL::threadSolve\n"
-		   "race:ompl::geometric::pSBL::removeMotion\n"
-		   "race:ompl::base::*::freeState\n"
-		   "race:ompl::base::ProjectionEvaluator::computeCoordinates\n" // of a motion that is to be deleted
-		   "race:std::vector<ompl::geometric::pSBL::Motion*\n" // the children of one
-		   "race:ompl::PDF<ompl::Grid<ompl::geometric::pSBL::MotionInfo>\n"
-		   "race:ompl::Grid<ompl::geometric::pSBL::MotionInfo>\n";
+	       "deadlock:ompl::geometric::pSBL::threadSolve\n"
+	       "race:ompl::geometric::pSBL::removeMotion\n"
+	       "race:ompl::base::*::freeState\n"
+	       "race:ompl::base::ProjectionEvaluator::computeCoordinates\n" // of a motion that is to be deleted
+	       "race:std::vector<ompl::geometric::pSBL::Motion*\n"          // the children of one
+	       "race:ompl::PDF<ompl::Grid<ompl::geometric::pSBL::MotionInfo>\n"
+	       "race:ompl::Grid<ompl::geometric::pSBL::MotionInfo>\n";
 }
 #endif
 
@@ -40,9 +40,12 @@ class PlannerThreads : public testing::TestWithParam<World>
 {
 };
 
-TEST_P( PlannerThreads, TwoTreesGrownByAll ) { solveAndAudit( GetParam(), makeParallelTrees ); }
+TEST_P( PlannerThreads, TwoTreesGrownByAll )
+{
+	solveAndAudit( GetParam(), makeParallelTrees );
+}
 
 INSTANTIATE_TEST_SUITE_P( Sbl, PlannerThreads, testing::ValuesIn( worlds() ),
-	[]( const testing::TestParamInfo<World>& world ) { return std::string( world.param.name ); } );
+    []( const testing::TestParamInfo<World>& world ) { return std::string( world.param.name ); } );
 
 } // namespace

@@ -140,7 +140,7 @@ TEST_P( Spaces, WrappedSpacesAreSeenThrough )
 }
 
 INSTANTIATE_TEST_SUITE_P( Worlds, Spaces, testing::ValuesIn( worlds() ),
-	[]( const testing::TestParamInfo<World>& world ) { return std::string( world.param.name ); } );
+    []( const testing::TestParamInfo<World>& world ) { return std::string( world.param.name ); } );
 
 TEST( SpaceLayout, EachJointGetsItsOwnKindOfSpace )
 {
@@ -168,7 +168,7 @@ TEST( SpaceLayout, EachJointGetsItsOwnKindOfSpace )
 TEST( SpaceLayout, GroupOrderIsKept )
 {
 	const leeway::Checker checker =
-		makeChecker( { slider( "first", 0, 0, 1 ), slider( "second", 1, 2, 3, makeBall( 0.1 ) ) }, {}, { 1, 0 } );
+	    makeChecker( { slider( "first", 0, 0, 1 ), slider( "second", 1, 2, 3, makeBall( 0.1 ) ) }, {}, { 1, 0 } );
 	const Rig rig( checker );
 	EXPECT_EQ( rig.space->as<ob::RealVectorStateSpace>()->getDimensionName( 0 ), "second" );
 	EXPECT_EQ( rig.space->as<ob::RealVectorStateSpace>()->getBounds().low[0], 2 );
@@ -179,9 +179,9 @@ TEST( SpaceLayout, LockedJointsDoNotStopPlanning )
 	// alone in a subspace of its own, where OMPL would find no extent
 	for ( lw_joint_type first : { LW_JOINT_CONTINUOUS, LW_JOINT_REVOLUTE } )
 	{
-		const Rig rig( makeChecker(
-			{ hinge( "turn", first, 0, 0.4, -1, 1 ), hinge( "locked", LW_JOINT_REVOLUTE, 0.4, 0.3, 0.5, 0.5 ) },
-			{ { makeBall( 0.1 ), at( -0.5, 0, 0 ) } } ) );
+		const Rig rig(
+		    makeChecker( { hinge( "turn", first, 0, 0.4, -1, 1 ), hinge( "locked", LW_JOINT_REVOLUTE, 0.4, 0.3, 0.5, 0.5 ) },
+		        { { makeBall( 0.1 ), at( -0.5, 0, 0 ) } } ) );
 		const double from[2] = { -0.9, 0.5 }, to[2] = { 0.9, 0.5 }, moved[2] = { 0, 0.6 };
 		ob::ScopedState<> s1( rig.space ), s2( rig.space );
 		rig.engine->adapter().fromVector( from, s1.get() );
@@ -301,9 +301,9 @@ TEST( Curves, RotationsThatOmplTakesForEqualAreProvedAsOmplMoves )
 {
 	// A boom of 100 m turns by 5e-5 rad, 5 mm at its end. On the core's way the end has moved aside by 2.5 mm when it passes
 	// the ball; on OMPL's, which keeps the first rotation until it jumps, it has not, and touches.
-	const leeway::Checker checker = makeChecker(
-		{ vehicle( "fly", LW_JOINT_FLOATING, 2, makeBall( 0.01 ), at( 100, 0, 0 ) ) },
-		{ { makeBall( 0.01 ), at( 100.5, -0.0195, 0 ) } } );
+	const leeway::Checker checker =
+	    makeChecker( { vehicle( "fly", LW_JOINT_FLOATING, 2, makeBall( 0.01 ), at( 100, 0, 0 ) ) },
+	        { { makeBall( 0.01 ), at( 100.5, -0.0195, 0 ) } } );
 	const Rig rig( checker );
 	const double half = 2.5e-5;
 	const std::vector<double> from = { 0, 0, 0, 0, 0, 0, 1 }, to = { 1, 0, 0, 0, 0, std::sin( half ), std::cos( half ) };
@@ -333,9 +333,9 @@ TEST( Curves, MotionsInPartsThatOneOfThreeCurvesBlocksKeepTheirStart )
 {
 	// The boom again, with a turntable that makes three turns of it parts: along OMPL's curve from the first state all is free, along that
 	// from the second the third part is not.
-	const leeway::Checker checker = makeChecker(
-		{ vehicle( "fly", LW_JOINT_FLOATING, 2, makeBall( 0.01 ), at( 100, 0, 0 ) ), hinge( "turn", LW_JOINT_CONTINUOUS, 0, 0.2 ) },
-		{ { makeBall( 0.01 ), at( 100.5, -0.0195, 0 ) } } );
+	const leeway::Checker checker = makeChecker( { vehicle( "fly", LW_JOINT_FLOATING, 2, makeBall( 0.01 ), at( 100, 0, 0 ) ),
+	                                                 hinge( "turn", LW_JOINT_CONTINUOUS, 0, 0.2 ) },
+	    { { makeBall( 0.01 ), at( 100.5, -0.0195, 0 ) } } );
 	auto line = std::make_shared<ob::RealVectorStateSpace>( 1 );
 	line->setBounds( -7, 7 );
 	auto fly = std::make_shared<ob::SE3StateSpace>();
@@ -345,7 +345,8 @@ TEST( Curves, MotionsInPartsThatOneOfThreeCurvesBlocksKeepTheirStart )
 	fly->setBounds( bounds );
 	const Rig rig( checker, {}, fly + line );
 	const double half = 2.5e-5;
-	const std::vector<double> from = { 1, 0, 0, 0, 0, std::sin( half ), std::cos( half ), -3 }, to = { 0, 0, 0, 0, 0, 0, 1, 3 };
+	const std::vector<double> from = { 1, 0, 0, 0, 0, std::sin( half ), std::cos( half ), -3 },
+	                          to = { 0, 0, 0, 0, 0, 0, 1, 3 };
 	ob::ScopedState<> s1( rig.space ), s2( rig.space ), last( rig.space );
 	rig.engine->adapter().fromVector( from.data(), s1.get() );
 	rig.engine->adapter().fromVector( to.data(), s2.get() );
@@ -362,7 +363,7 @@ TEST( Curves, OppositeRotationsAreProvedOnTheSideThatOmplTakes )
 	// swings to the one side or to the other of the plane of its ends; one of the sides is full.
 	SeededRng rng;
 	const Rig rig( makeChecker( { vehicle( "fly", LW_JOINT_FLOATING, 1, makeBall( 0.1 ), at( 1, 0, 0 ) ) },
-		{ { makeBall( 0.5 ), at( 0, 1, 0 ) } } ) );
+	    { { makeBall( 0.5 ), at( 0, 1, 0 ) } } ) );
 	ob::ScopedState<> s1( rig.space ), s2( rig.space ), between( rig.space );
 	int free = 0, blocked = 0, negative = 0;
 	for ( int i = 0; i < 4000; ++i )
@@ -374,7 +375,7 @@ TEST( Curves, OppositeRotationsAreProvedOnTheSideThatOmplTakes )
 		const double ax = axis[0] / length, ay = axis[1] / length, az = axis[2] / length;
 		const std::vector<double> from = { 0, 0, 0, q[0], q[1], q[2], q[3] };
 		const std::vector<double> to = { 0, 0, 0, ax * q[3] + ay * q[2] - az * q[1], ay * q[3] + az * q[0] - ax * q[2],
-			az * q[3] + ax * q[1] - ay * q[0], -ax * q[0] - ay * q[1] - az * q[2] };
+		    az * q[3] + ax * q[1] - ay * q[0], -ax * q[0] - ay * q[1] - az * q[2] };
 		rig.engine->adapter().fromVector( from.data(), s1.get() );
 		rig.engine->adapter().fromVector( to.data(), s2.get() );
 		if ( !rig.si->isValid( s1.get() ) || !rig.si->isValid( s2.get() ) )
@@ -435,8 +436,8 @@ TEST( Curves, QuaternionSignsDoNotMatter )
 TEST( Curves, AHalfTurningFollowerKeepsItsLeaderFromWrapping )
 {
 	// the second hinge follows the first at half its angle: at pi and -pi of the first it stands elsewhere
-	std::vector<Segment> chain = { hinge( "leader", LW_JOINT_CONTINUOUS, 0, 0.4 ),
-		hinge( "follower", LW_JOINT_REVOLUTE, 0.4, 0.3, -2, 2 ) };
+	std::vector<Segment> chain = {
+	    hinge( "leader", LW_JOINT_CONTINUOUS, 0, 0.4 ), hinge( "follower", LW_JOINT_REVOLUTE, 0.4, 0.3, -2, 2 ) };
 	chain[1].joint.mimic = 0;
 	chain[1].joint.mimic_multiplier = 0.5;
 	const leeway::Checker checker = makeChecker( chain, { { makeBall( 0.05 ), at( 0.3, 0, 0 ) } } );
@@ -556,8 +557,8 @@ TEST( ConstrainedSpaces, StatesAreSeenThroughToTheNumbers )
 		ASSERT_EQ( unwrapped[0], q[0] );
 		ASSERT_EQ( unwrapped[1], q[1] );
 		ASSERT_EQ( si->isValid( constrained.get() ), plain.si->isValid( same.get() ) );
-		ASSERT_NEAR( states->clearance( constrained.get() ),
-			plain.si->getStateValidityChecker()->clearance( same.get() ), 1e-12 );
+		ASSERT_NEAR(
+		    states->clearance( constrained.get() ), plain.si->getStateValidityChecker()->clearance( same.get() ), 1e-12 );
 		valid += si->isValid( constrained.get() );
 	}
 	EXPECT_GT( valid, 20 );
@@ -576,8 +577,8 @@ TEST( ConstrainedSpaces, StatesAreSeenThroughToTheNumbers )
 TEST( Refusals, ConstraintManifolds )
 {
 	const leeway::Checker checker = gantryWorld();
-	const auto space = std::make_shared<ob::ProjectedStateSpace>( leeway::ompl::makeStateSpace( checker ),
-		std::make_shared<Diagonal>() );
+	const auto space =
+	    std::make_shared<ob::ProjectedStateSpace>( leeway::ompl::makeStateSpace( checker ), std::make_shared<Diagonal>() );
 	expectInstallRefused( space, checker, "constraint manifold" );
 	// the states can be read all the same
 	const leeway::ompl::Engine engine( space, checker, {} );
@@ -593,15 +594,15 @@ TEST( Refusals, ConstraintManifolds )
 
 TEST( Refusals, ALimitedJointInSO2 )
 {
-	const leeway::Checker limited = makeChecker( { hinge( "elbow", LW_JOINT_REVOLUTE, 0, 0.4, -2.8, 2.8 ) },
-		{ { makeBall( 0.1 ), at( 0.3, 0.3, 0 ) } } );
+	const leeway::Checker limited = makeChecker(
+	    { hinge( "elbow", LW_JOINT_REVOLUTE, 0, 0.4, -2.8, 2.8 ) }, { { makeBall( 0.1 ), at( 0.3, 0.3, 0 ) } } );
 	expectInstallRefused( std::make_shared<ob::SO2StateSpace>(), limited, "elbow" );
 }
 
 TEST( Refusals, JointsTornApart )
 {
-	const std::vector<Segment> chain = { vehicle( "drive", LW_JOINT_PLANAR, 1, makeBall( 0.1 ) ),
-		slider( "slide", 0, 0, 1, makeBall( 0.1 ) ) };
+	const std::vector<Segment> chain = {
+	    vehicle( "drive", LW_JOINT_PLANAR, 1, makeBall( 0.1 ) ), slider( "slide", 0, 0, 1, makeBall( 0.1 ) ) };
 	const std::vector<std::vector<std::uint32_t>> groups = { { 0, 1, 3, 2 }, { 1, 0, 2, 3 }, { 3, 0, 1 } };
 	for ( const std::vector<std::uint32_t>& group : groups )
 	{

@@ -109,15 +109,15 @@ TEST_F( Updates, ThreadsThatAskMeetAHalfMadeWorld )
 	for ( int i = 0; i < 4; ++i )
 	{
 		threads.emplace_back(
-			[&]
-			{
-				while ( !stop )
-				{
-					wrong += si->checkMotion( left, right );
-					wrong += !si->isValid( left );
-					++asked;
-				}
-			} );
+		    [&]
+		    {
+			    while ( !stop )
+			    {
+				    wrong += si->checkMotion( left, right );
+				    wrong += !si->isValid( left );
+				    ++asked;
+			    }
+		    } );
 	}
 	ob::State* at_here = state( -0.65, -0.8 );
 	ob::State* at_there = state( -0.45, -0.8 );

@@ -34,8 +34,14 @@ inline leeway::Shape makeShape( lw_shape_type type, double x, double y = 0, doub
 	return leeway::Shape::adopt( shape );
 }
 
-inline leeway::Shape makeBox( double x, double y, double z ) { return makeShape( LW_SHAPE_BOX, x, y, z ); }
-inline leeway::Shape makeBall( double radius ) { return makeShape( LW_SHAPE_SPHERE, radius ); }
+inline leeway::Shape makeBox( double x, double y, double z )
+{
+	return makeShape( LW_SHAPE_BOX, x, y, z );
+}
+inline leeway::Shape makeBall( double radius )
+{
+	return makeShape( LW_SHAPE_SPHERE, radius );
+}
 
 /// A joint and the link that it moves; the links are a chain. The name is the joint's.
 struct Segment
@@ -66,8 +72,8 @@ inline Segment slider( const char* name, int axis, double lower, double upper, l
 }
 
 /// A hinge about z at x = `offset` of the link before, with a capsule `length` long along x.
-inline Segment hinge( const char* name, lw_joint_type type, double offset, double length, double lower = 0,
-	double upper = 0 )
+inline Segment hinge(
+    const char* name, lw_joint_type type, double offset, double length, double lower = 0, double upper = 0 )
 {
 	Segment segment{ name, lw_joint_def_default(), makeShape( LW_SHAPE_CAPSULE, 0.03, length ) };
 	segment.joint.type = type;
@@ -84,7 +90,7 @@ inline Segment hinge( const char* name, lw_joint_type type, double offset, doubl
 
 /// A planar or floating joint; positions within +-`range`.
 inline Segment vehicle( const char* name, lw_joint_type type, double range, leeway::Shape shape,
-	const lw_transform& link_from_shape = lw_transform_identity() )
+    const lw_transform& link_from_shape = lw_transform_identity() )
 {
 	Segment segment{ name, lw_joint_def_default(), std::move( shape ), link_from_shape };
 	segment.joint.type = type;
@@ -100,7 +106,7 @@ inline Segment vehicle( const char* name, lw_joint_type type, double range, leew
 
 /// @param group robot variables in the order of the state vector; empty = all
 inline leeway::Checker makeChecker( const std::vector<Segment>& chain, const std::vector<Obstacle>& obstacles,
-	const std::vector<std::uint32_t>& group = {}, const lw_margins& margins = {} )
+    const std::vector<std::uint32_t>& group = {}, const lw_margins& margins = {} )
 {
 	std::vector<std::string> names = { "base" };
 	std::vector<lw_joint_def> joints;
@@ -175,32 +181,32 @@ inline leeway::Checker makeChecker( const std::vector<Segment>& chain, const std
 inline leeway::Checker gantryWorld()
 {
 	return makeChecker( { slider( "rail x", 0, -1, 1 ), slider( "rail y", 1, -1, 1, makeBox( 0.1, 0.1, 0.1 ) ) },
-		{ { makeBox( 0.1, 1.4, 0.2 ), at( 0, -0.3, 0 ) }, { makeBox( 0.1, 0.2, 0.2 ), at( 0, 0.9, 0 ) },
-			{ makeBall( 0.15 ), at( 0.5, 0.2, 0 ) } } );
+	    { { makeBox( 0.1, 1.4, 0.2 ), at( 0, -0.3, 0 ) }, { makeBox( 0.1, 0.2, 0.2 ), at( 0, 0.9, 0 ) },
+	        { makeBall( 0.15 ), at( 0.5, 0.2, 0 ) } } );
 }
 
 /// A planar arm on a turntable among pillars, links in each other's way: SO2 and two bounded joints.
 inline leeway::Checker armWorld()
 {
-	return makeChecker( { hinge( "turn", LW_JOINT_CONTINUOUS, 0, 0.4 ),
-							hinge( "elbow", LW_JOINT_REVOLUTE, 0.4, 0.35, -2.8, 2.8 ),
-							hinge( "wrist", LW_JOINT_REVOLUTE, 0.35, 0.3, -2.5, 2.5 ) },
-		{ { makeShape( LW_SHAPE_CYLINDER, 0.08, 0.5 ), at( 0.7, 0.5, 0 ) }, { makeBox( 0.2, 0.1, 0.3 ), at( -0.6, 0.4, 0 ) },
-			{ makeBall( 0.1 ), at( -0.2, -0.75, 0 ) } } );
+	return makeChecker(
+	    { hinge( "turn", LW_JOINT_CONTINUOUS, 0, 0.4 ), hinge( "elbow", LW_JOINT_REVOLUTE, 0.4, 0.35, -2.8, 2.8 ),
+	        hinge( "wrist", LW_JOINT_REVOLUTE, 0.35, 0.3, -2.5, 2.5 ) },
+	    { { makeShape( LW_SHAPE_CYLINDER, 0.08, 0.5 ), at( 0.7, 0.5, 0 ) }, { makeBox( 0.2, 0.1, 0.3 ), at( -0.6, 0.4, 0 ) },
+	        { makeBall( 0.1 ), at( -0.2, -0.75, 0 ) } } );
 }
 
 /// A long cart: SE2.
 inline leeway::Checker cartWorld()
 {
 	return makeChecker( { vehicle( "drive", LW_JOINT_PLANAR, 1, makeBox( 0.5, 0.1, 0.1 ) ) },
-		{ { makeBox( 0.1, 0.9, 0.2 ), at( 0, -0.6, 0 ) }, { makeBox( 0.1, 0.5, 0.2 ), at( 0, 0.8, 0 ) } } );
+	    { { makeBox( 0.1, 0.9, 0.2 ), at( 0, -0.6, 0 ) }, { makeBox( 0.1, 0.5, 0.2 ), at( 0, 0.8, 0 ) } } );
 }
 
 /// A flying plate: SE3.
 inline leeway::Checker droneWorld()
 {
 	return makeChecker( { vehicle( "fly", LW_JOINT_FLOATING, 1, makeBox( 0.5, 0.3, 0.05 ) ) },
-		{ { makeBox( 0.1, 2, 0.9 ), at( 0, 0, -0.6 ) }, { makeBall( 0.3 ), at( 0.4, 0.4, 0.5 ) } } );
+	    { { makeBox( 0.1, 2, 0.9 ), at( 0, 0, -0.6 ) }, { makeBall( 0.3 ), at( 0.4, 0.4, 0.5 ) } } );
 }
 
 /// A cart that carries a turntable and a slide: SE2, SO2 and RealVector in one compound.
@@ -209,8 +215,8 @@ inline leeway::Checker carrierWorld()
 	Segment slide = slider( "slide", 2, 0, 0.5, makeBall( 0.1 ) );
 	slide.joint.parent_from_joint = at( 0.3, 0, 0.1 );
 	return makeChecker( { vehicle( "drive", LW_JOINT_PLANAR, 1, makeBox( 0.4, 0.2, 0.1 ) ),
-							hinge( "mast", LW_JOINT_CONTINUOUS, 0, 0.3 ), slide },
-		{ { makeBox( 0.2, 0.2, 1 ), at( 0.5, 0, 0 ) }, { makeBall( 0.2 ), at( -0.4, 0.5, 0.4 ) } } );
+	                        hinge( "mast", LW_JOINT_CONTINUOUS, 0, 0.3 ), slide },
+	    { { makeBox( 0.2, 0.2, 1 ), at( 0.5, 0, 0 ) }, { makeBall( 0.2 ), at( -0.4, 0.5, 0.4 ) } } );
 }
 
 /// A checker, and states of it: two that are valid with something between them, one in the midst of an obstacle.
@@ -221,17 +227,20 @@ struct World
 	std::vector<double> start, goal, inside;
 };
 
-inline void PrintTo( const World& world, std::ostream* out ) { *out << world.name; }
+inline void PrintTo( const World& world, std::ostream* out )
+{
+	*out << world.name;
+}
 
 inline const std::vector<World>& worlds()
 {
 	static const std::vector<World> all = {
-		{ "Gantry", gantryWorld, { -0.8, -0.8 }, { 0.8, -0.8 }, { 0, -0.3 } },
-		{ "Arm", armWorld, { 0.2, 0.3, 0.3 }, { 1.6, -0.5, 0.4 }, { 0.62, 0, 0 } },
-		{ "Cart", cartWorld, { -0.7, -0.5, pi / 2 }, { 0.7, -0.5, -pi / 2 }, { 0, -0.6, 0 } },
-		{ "Drone", droneWorld, { -0.7, 0, -0.4, 0, 0, 0, 1 },
-			{ 0.7, -0.5, -0.4, 0, 0, std::sqrt( 0.5 ), std::sqrt( 0.5 ) }, { 0, 0, -0.6, 0, 0, 0, 1 } },
-		{ "Carrier", carrierWorld, { -0.4, -0.3, 0, 0, 0.1 }, { 0.95, 0, 0, 0, 0.1 }, { 0.5, 0, 0, 0, 0.2 } },
+	    { "Gantry", gantryWorld, { -0.8, -0.8 }, { 0.8, -0.8 }, { 0, -0.3 } },
+	    { "Arm", armWorld, { 0.2, 0.3, 0.3 }, { 1.6, -0.5, 0.4 }, { 0.62, 0, 0 } },
+	    { "Cart", cartWorld, { -0.7, -0.5, pi / 2 }, { 0.7, -0.5, -pi / 2 }, { 0, -0.6, 0 } },
+	    { "Drone", droneWorld, { -0.7, 0, -0.4, 0, 0, 0, 1 }, { 0.7, -0.5, -0.4, 0, 0, std::sqrt( 0.5 ), std::sqrt( 0.5 ) },
+	        { 0, 0, -0.6, 0, 0, 0, 1 } },
+	    { "Carrier", carrierWorld, { -0.4, -0.3, 0, 0, 0.1 }, { 0.95, 0, 0, 0, 0.1 }, { 0.5, 0, 0, 0, 0.2 } },
 	};
 	return all;
 }
@@ -246,9 +255,9 @@ struct Rig
 	ob::SpaceInformationPtr si;
 	std::shared_ptr<const leeway::ompl::Engine> engine;
 
-	explicit Rig( leeway::Checker the_checker, const leeway::ompl::Options& options = {},
-		ob::StateSpacePtr the_space = nullptr )
-		: checker( std::move( the_checker ) ), space( std::move( the_space ) )
+	explicit Rig(
+	    leeway::Checker the_checker, const leeway::ompl::Options& options = {}, ob::StateSpacePtr the_space = nullptr )
+	    : checker( std::move( the_checker ) ), space( std::move( the_space ) )
 	{
 		::ompl::msg::setLogLevel( ::ompl::msg::LOG_ERROR );
 		if ( !space )
@@ -300,7 +309,7 @@ inline double exactClearance( const Rig& rig, lw_query* query, const ob::State* 
 	const std::vector<double> q = rig.vector( state );
 	lw_state_result result;
 	if ( lw_checker_state( rig.checker.get(), query, q.data(), LW_CHECK_BOTH, nullptr, false, &result ) != LW_OK ||
-		result.verdict != LW_VERDICT_FREE )
+	     result.verdict != LW_VERDICT_FREE )
 	{
 		return 0;
 	}

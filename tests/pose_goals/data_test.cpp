@@ -105,7 +105,8 @@ TEST_P( PoseData, PosesOfRandomFreeStatesAreReached )
 			q.push_back( rng.uniform( info.lower, info.upper ) );
 		}
 		bool free = false;
-		require( lw_checker_is_free( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, 0, &free, nullptr ), "state" );
+		require(
+		    lw_checker_is_free( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, 0, &free, nullptr ), "state" );
 		if ( !free )
 		{
 			continue;
@@ -135,7 +136,8 @@ TEST_P( PoseData, PosesOfRandomFreeStatesAreReached )
 			}
 			EXPECT_TRUE( io::limitViolations( problem, state ).empty() );
 			require(
-			    lw_checker_is_free( problem.checker.get(), query.get(), state.data(), LW_CHECK_BOTH, 0, &free, nullptr ), "state" );
+			    lw_checker_is_free( problem.checker.get(), query.get(), state.data(), LW_CHECK_BOTH, 0, &free, nullptr ),
+			    "state" );
 			EXPECT_TRUE( free );
 		}
 	}

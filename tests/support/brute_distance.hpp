@@ -97,19 +97,19 @@ public:
 
 	/// @param bound metres: nothing at or above it needs a distance; then lower = upper = bound
 	oracle::Interval distance( const lw_shape* a, const lw_transform& world_from_a, const lw_shape* b,
-		const lw_transform& world_from_b, double bound )
+	    const lw_transform& world_from_b, double bound )
 	{
 		const BruteShape &x = known( a ), &y = known( b );
 		const lw_transform from_world = lw_transform_inverse( &world_from_a ),
-						   a_from_b = lw_transform_multiply( &from_world, &world_from_b );
+		                   a_from_b = lw_transform_multiply( &from_world, &world_from_b );
 		const double both = x.radius + y.radius;
 		oracle::Interval best = { bound + both, bound + both };
 		const Box all_x = boxOf( lw_shape_get_info( a ), lw_transform_identity() ),
-				  all_y = boxOf( lw_shape_get_info( b ), a_from_b );
+		          all_y = boxOf( lw_shape_get_info( b ), a_from_b );
 		if ( gap( all_x, all_y ) < bound )
 		{
 			const std::vector<Near> of_x = nearPieces( x, lw_transform_identity(), all_y, bound + both ),
-									of_y = nearPieces( y, a_from_b, all_x, bound + both );
+			                        of_y = nearPieces( y, a_from_b, all_x, bound + both );
 			for ( const Near& i : of_x )
 			{
 				for ( const Near& k : of_y )
@@ -117,7 +117,7 @@ public:
 					if ( gap( i.box, k.box ) < static_cast<double>( best.upper ) && best.upper > both )
 					{
 						const oracle::Interval found =
-							oracle::distance( x.pieces[i.piece], y.pieces[k.piece], a_from_b, width, 20000, best.upper );
+						    oracle::distance( x.pieces[i.piece], y.pieces[k.piece], a_from_b, width, 20000, best.upper );
 						best.lower = std::min( best.lower, found.lower );
 						best.upper = std::min( best.upper, found.upper );
 					}

@@ -7,8 +7,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 
-template <typename T, void ( *release )( T* )>
-struct Releaser
+template <typename T, void ( *release )( T* )> struct Releaser
 {
 	void operator()( T* object ) const { release( object ); }
 };

@@ -21,25 +21,49 @@ struct Vec
 	real x, y, z;
 };
 
-inline Vec from( lw_vec3 v ) { return { v.x, v.y, v.z }; }
-inline Vec operator+( Vec a, Vec b ) { return { a.x + b.x, a.y + b.y, a.z + b.z }; }
-inline Vec operator-( Vec a, Vec b ) { return { a.x - b.x, a.y - b.y, a.z - b.z }; }
-inline Vec operator*( real s, Vec a ) { return { s * a.x, s * a.y, s * a.z }; }
-inline real dot( Vec a, Vec b ) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline real length( Vec a ) { return std::sqrt( dot( a, a ) ); }
-inline Vec cross( Vec a, Vec b ) { return { a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x }; }
+inline Vec from( lw_vec3 v )
+{
+	return { v.x, v.y, v.z };
+}
+inline Vec operator+( Vec a, Vec b )
+{
+	return { a.x + b.x, a.y + b.y, a.z + b.z };
+}
+inline Vec operator-( Vec a, Vec b )
+{
+	return { a.x - b.x, a.y - b.y, a.z - b.z };
+}
+inline Vec operator*( real s, Vec a )
+{
+	return { s * a.x, s * a.y, s * a.z };
+}
+inline real dot( Vec a, Vec b )
+{
+	return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline real length( Vec a )
+{
+	return std::sqrt( dot( a, a ) );
+}
+inline Vec cross( Vec a, Vec b )
+{
+	return { a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+}
 
 inline Vec rotate( const lw_transform& m, Vec v )
 {
 	return { m.r[0][0] * v.x + m.r[0][1] * v.y + m.r[0][2] * v.z, m.r[1][0] * v.x + m.r[1][1] * v.y + m.r[1][2] * v.z,
-		m.r[2][0] * v.x + m.r[2][1] * v.y + m.r[2][2] * v.z };
+	    m.r[2][0] * v.x + m.r[2][1] * v.y + m.r[2][2] * v.z };
 }
 inline Vec unrotate( const lw_transform& m, Vec v )
 {
 	return { m.r[0][0] * v.x + m.r[1][0] * v.y + m.r[2][0] * v.z, m.r[0][1] * v.x + m.r[1][1] * v.y + m.r[2][1] * v.z,
-		m.r[0][2] * v.x + m.r[1][2] * v.y + m.r[2][2] * v.z };
+	    m.r[0][2] * v.x + m.r[1][2] * v.y + m.r[2][2] * v.z };
 }
-inline Vec offset( const lw_transform& m ) { return { m.t[0], m.t[1], m.t[2] }; }
+inline Vec offset( const lw_transform& m )
+{
+	return { m.t[0], m.t[1], m.t[2] };
+}
 
 inline Vec nearest_of_segment( Vec a, Vec b, Vec p )
 {
@@ -83,18 +107,25 @@ constexpr int steps = 80; ///< 0.618^80 = 2e-17: with a slope of 1 that is the e
 
 inline real segment_segment( Vec a, Vec b, Vec c, Vec d )
 {
-	return golden( [&]( real s ) { Vec p = a + s * ( b - a ); return length( p - nearest_of_segment( c, d, p ) ); }, steps );
+	return golden(
+	    [&]( real s )
+	    {
+		    Vec p = a + s * ( b - a );
+		    return length( p - nearest_of_segment( c, d, p ) );
+	    },
+	    steps );
 }
 
 /// A triangle is the fan of the segments between two of its edges; the distance to these is convex in the fan's parameter.
 inline real point_triangle( Vec p, const Vec t[3] )
 {
 	return golden(
-		[&]( real s ) {
-			Vec a = t[0] + s * ( t[1] - t[0] ), b = t[0] + s * ( t[2] - t[0] );
-			return length( p - nearest_of_segment( a, b, p ) );
-		},
-		steps );
+	    [&]( real s )
+	    {
+		    Vec a = t[0] + s * ( t[1] - t[0] ), b = t[0] + s * ( t[2] - t[0] );
+		    return length( p - nearest_of_segment( a, b, p ) );
+	    },
+	    steps );
 }
 
 inline real segment_triangle( Vec a, Vec b, const Vec t[3] )
@@ -117,7 +148,7 @@ struct Body
 		{
 		case LWI_CONVEX_BOX:
 			return { std::clamp<real>( p.x, -s[0], s[0] ), std::clamp<real>( p.y, -s[1], s[1] ),
-				std::clamp<real>( p.z, -s[2], s[2] ) };
+			    std::clamp<real>( p.z, -s[2], s[2] ) };
 		case LWI_CONVEX_CYLINDER:
 		{
 			real f = rho > s[0] ? s[0] / rho : (real)1;
@@ -207,8 +238,8 @@ struct Interval
 /// Distance by accelerated alternating projections (Nesterov 1983 with restarts, on half the squared distance to b over the
 /// points of a): upper from the points, lower from the support planes across them.
 /// @param width to stop at, metres. @param enough a lower bound to stop at, metres
-inline Interval distance( const lwi_convex& sa, const lwi_convex& sb, const lw_transform& m, real width, int limit,
-	real enough = INFINITY )
+inline Interval distance(
+    const lwi_convex& sa, const lwi_convex& sb, const lw_transform& m, real width, int limit, real enough = INFINITY )
 {
 	Body a{ sa }, b{ sb };
 	auto on_b = [&]( Vec p ) { return rotate( m, b.nearest( unrotate( m, p - offset( m ) ) ) ) + offset( m ); };
@@ -290,12 +321,12 @@ inline lw_vec3 random_direction( SeededRng& rng )
 inline double width_target( const lwi_convex& a, const lwi_convex& b )
 {
 	bool curved = a.type == LWI_CONVEX_CYLINDER || a.type == LWI_CONVEX_CONE || b.type == LWI_CONVEX_CYLINDER ||
-		b.type == LWI_CONVEX_CONE;
+	              b.type == LWI_CONVEX_CONE;
 	return curved ? LWI_CONVEX_WIDTH_CURVED : LWI_CONVEX_WIDTH_POLYTOPE;
 }
 
 /// Every two types of piece.
-constexpr std::pair<int, int> combinations[10] = { { 0, 0 }, { 0, 1 }, { 0, 2 }, { 0, 3 }, { 1, 1 }, { 1, 2 }, { 1, 3 },
-	{ 2, 2 }, { 2, 3 }, { 3, 3 } };
+constexpr std::pair<int, int> combinations[10] = {
+    { 0, 0 }, { 0, 1 }, { 0, 2 }, { 0, 3 }, { 1, 1 }, { 1, 2 }, { 1, 3 }, { 2, 2 }, { 2, 3 }, { 3, 3 } };
 constexpr const char* names[4] = { "triangle", "box", "cylinder", "cone" };
 } // namespace oracle

@@ -16,23 +16,25 @@ struct CountingAllocator
 
 	lw_allocator get()
 	{
-		return { []( void* user, std::size_t size, std::size_t align ) -> void* {
-					auto* self = static_cast<CountingAllocator*>( user );
-					if ( self->left-- <= 0 )
-					{
-						return nullptr;
-					}
-					++self->live;
-					self->bytes += size;
-					return std::aligned_alloc( align, ( size + align - 1 ) / align * align );
-				},
-			[]( void* user, void* memory, std::size_t size ) {
-				auto* self = static_cast<CountingAllocator*>( user );
-				--self->live;
-				self->bytes -= size;
-				std::free( memory );
-			},
-			this };
+		return { []( void* user, std::size_t size, std::size_t align ) -> void*
+		    {
+			    auto* self = static_cast<CountingAllocator*>( user );
+			    if ( self->left-- <= 0 )
+			    {
+				    return nullptr;
+			    }
+			    ++self->live;
+			    self->bytes += size;
+			    return std::aligned_alloc( align, ( size + align - 1 ) / align * align );
+		    },
+		    []( void* user, void* memory, std::size_t size )
+		    {
+			    auto* self = static_cast<CountingAllocator*>( user );
+			    --self->live;
+			    self->bytes -= size;
+			    std::free( memory );
+		    },
+		    this };
 	}
 };
 

@@ -47,9 +47,9 @@ public:
 	/// @param variables of the group; everything else stands. @param resolution metres
 	/// @param margin none if empty; all distances below are then distances less margins
 	EdgeAuditor( const lw_robot* robot, const lw_scene* scene, const std::vector<std::uint32_t>& variables,
-		const double* reference, const std::vector<lw_link_object_pair>& allowed = {}, double resolution = 1e-4,
-		Margin margin = {} )
-		: m_robot( robot ), m_scene( scene ), m_resolution( resolution ), m_margin( std::move( margin ) )
+	    const double* reference, const std::vector<lw_link_object_pair>& allowed = {}, double resolution = 1e-4,
+	    Margin margin = {} )
+	    : m_robot( robot ), m_scene( scene ), m_resolution( resolution ), m_margin( std::move( margin ) )
 	{
 		const lw_query_def def = lw_query_def_default();
 		lw_query* query = nullptr;
@@ -100,12 +100,12 @@ public:
 	double clearance( const double* full, bool self, std::uint32_t link, std::uint32_t other )
 	{
 		return clearanceOf( full,
-			[this, self, link, other]( const Pair& pair )
-			{
-				const std::uint32_t a = m_bodies[pair.body].link;
-				return pair.self == self && ( ( a == link && otherName( pair ) == other ) ||
-												( self && a == other && otherName( pair ) == link ) );
-			} );
+		    [this, self, link, other]( const Pair& pair )
+		    {
+			    const std::uint32_t a = m_bodies[pair.body].link;
+			    return pair.self == self && ( ( a == link && otherName( pair ) == other ) ||
+			                                    ( self && a == other && otherName( pair ) == link ) );
+		    } );
 	}
 
 	std::size_t pairCount() const
@@ -195,7 +195,7 @@ private:
 	{
 		std::set<std::uint32_t> above;
 		for ( std::uint32_t joint = lw_robot_link_joint( m_robot, link ); joint != LW_INVALID_INDEX;
-			  joint = lw_robot_link_joint( m_robot, lw_robot_joint_parent( m_robot, joint ) ) )
+		      joint = lw_robot_link_joint( m_robot, lw_robot_joint_parent( m_robot, joint ) ) )
 		{
 			const std::uint32_t leader = lw_robot_joint_mimic( m_robot, joint );
 			const std::uint32_t variable = lw_robot_joint_variable( m_robot, leader != LW_INVALID_INDEX ? leader : joint );
@@ -255,7 +255,7 @@ private:
 		{
 			const lw_vec3 c = centers[i];
 			cluster.radius = std::max( cluster.radius,
-				norm( c.x - mean.x, c.y - mean.y, c.z - mean.z ) + m_bodies[cluster.bodies[i]].info.sphere_radius );
+			    norm( c.x - mean.x, c.y - mean.y, c.z - mean.z ) + m_bodies[cluster.bodies[i]].info.sphere_radius );
 		}
 	}
 
@@ -301,7 +301,7 @@ private:
 		{
 			Item item = { LW_INVALID_INDEX, LW_INVALID_INDEX, pair.self, cluster, other, {}, 0 };
 			const std::uint32_t frame =
-				pair.self ? commonLink( m_clusters[cluster].link, m_clusters[other].link ) : LW_INVALID_INDEX;
+			    pair.self ? commonLink( m_clusters[cluster].link, m_clusters[other].link ) : LW_INVALID_INDEX;
 			item.mover = moverOf( cluster, frame );
 			item.other_mover = pair.self ? moverOf( other, frame ) : LW_INVALID_INDEX;
 			m_items.push_back( item );
@@ -327,8 +327,8 @@ private:
 			for ( std::uint32_t k = 0; k < m_obstacles.size(); ++k )
 			{
 				const bool counts = std::none_of( allowed.begin(), allowed.end(),
-					[&]( const lw_link_object_pair& p )
-					{ return p.link == m_bodies[a].link && p.object == m_obstacles[k].object; } );
+				    [&]( const lw_link_object_pair& p )
+				    { return p.link == m_bodies[a].link && p.object == m_obstacles[k].object; } );
 				if ( counts && cluster.above.empty() )
 				{
 					m_still.push_back( { a, k, false } );
@@ -342,7 +342,7 @@ private:
 			for ( std::uint32_t b = a + 1; b < m_bodies.size(); ++b )
 			{
 				if ( cluster.above != m_clusters[m_cluster_of[b]].above &&
-					 !lw_robot_pair_allowed( m_robot, m_bodies[a].link, m_bodies[b].link ) )
+				     !lw_robot_pair_allowed( m_robot, m_bodies[a].link, m_bodies[b].link ) )
 				{
 					addPair( { a, b, true }, m_cluster_of[b] );
 				}
@@ -432,7 +432,7 @@ private:
 			const double d = std::abs( m_to[i] - m_from[i] );
 			const lw_joint_type type = lw_robot_joint_type( m_robot, info.joint );
 			const bool is_shift = type == LW_JOINT_PRISMATIC || ( type == LW_JOINT_PLANAR && info.component < 2 ) ||
-								  ( type == LW_JOINT_FLOATING && info.component < 3 );
+			                      ( type == LW_JOINT_FLOATING && info.component < 3 );
 			turns += is_shift ? 0 : info.wraps ? std::min( d, 2 * M_PI ) : d;
 		}
 		m_cells = 4;
@@ -556,8 +556,7 @@ private:
 		return out;
 	}
 
-	template <typename Filter>
-	double clearanceOf( const double* full, const Filter& counts )
+	template <typename Filter> double clearanceOf( const double* full, const Filter& counts )
 	{
 		Poses at( m_reference.size() );
 		require( lw_robot_fk( m_robot, full, at.data() ) );

@@ -17,8 +17,8 @@ public:
 	static constexpr double rounding = 1e-10;
 
 	EdgeTruth( const EdgeWorld& world, EdgeAuditor& auditor, const Motion& motion, double min_d )
-		: m_world( world ), m_auditor( auditor ), m_from( world.full( motion.from ) ), m_to( world.full( motion.to ) ),
-		  m_min_d( min_d )
+	    : m_world( world ), m_auditor( auditor ), m_from( world.full( motion.from ) ), m_to( world.full( motion.to ) ),
+	      m_min_d( min_d )
 	{
 	}
 
@@ -46,12 +46,12 @@ public:
 			if ( whole().contact )
 			{
 				std::snprintf( text, sizeof text, "FREE, but the distance is %.9g m at t = %.17g (%s)", whole().least,
-					whole().t, names( whole() ).c_str() );
+				    whole().t, names( whole() ).c_str() );
 			}
 			else if ( whole().least < r.lower_bound - rounding )
 			{
 				std::snprintf( text, sizeof text, "FREE with at least %.9g m, but it is %.9g m at t = %.17g", r.lower_bound,
-					whole().least, whole().t );
+				    whole().least, whole().t );
 			}
 			break;
 		case LW_VERDICT_BLOCKED:
@@ -79,8 +79,8 @@ private:
 			return "bodies that never move";
 		}
 		return std::string( lw_robot_link_name( m_world.robot.get(), at.link ) ) + " - " +
-			   ( at.self ? lw_robot_link_name( m_world.robot.get(), at.other )
-						 : lw_scene_object_name( m_world.scene.get(), at.other ) );
+		       ( at.self ? lw_robot_link_name( m_world.robot.get(), at.other )
+		                 : lw_scene_object_name( m_world.scene.get(), at.other ) );
 	}
 
 	void refuteFailure( const lw_edge_def& def, const lw_edge_result& r, char* text, std::size_t size )
@@ -93,7 +93,7 @@ private:
 		if ( !( d <= most + rounding ) )
 		{
 			std::snprintf( text, size, "%s at t = %.17g, but the distance of the pair is %.9g m",
-				lw_verdict_name( r.verdict ), r.t, d );
+			    lw_verdict_name( r.verdict ), r.t, d );
 			return;
 		}
 		m_reproduced = m_reproduced || ( blocked && d <= m_min_d );
@@ -109,7 +109,7 @@ private:
 			if ( part.contact )
 			{
 				std::snprintf( text, size, "proved until %.17g, but the distance is %.9g m at t = %.17g", r.proved_until,
-					part.least, part.t );
+				    part.least, part.t );
 			}
 		}
 	}

@@ -51,7 +51,7 @@ struct EdgeMargins
 		const auto part = []( const std::vector<double>& values, std::uint32_t i )
 		{ return values.empty() ? 0 : values[i]; };
 		return is_self ? self + part( self_links, a ) + part( self_links, b )
-					   : environment + part( links, a ) + part( objects, b );
+		               : environment + part( links, a ) + part( objects, b );
 	}
 };
 
@@ -142,7 +142,7 @@ struct EdgeWorld
 					dot += motion.from[k] * motion.to[k];
 				}
 				most =
-					std::max( most, std::ceil( std::acos( std::min( 1.0, std::abs( dot ) ) ) / ( 0.5 * M_PI * fraction ) ) );
+				    std::max( most, std::ceil( std::acos( std::min( 1.0, std::abs( dot ) ) ) / ( 0.5 * M_PI * fraction ) ) );
 				i += 4;
 			}
 		}
@@ -223,7 +223,7 @@ private:
 			if ( isRotation( i ) )
 			{
 				const double norm =
-					std::sqrt( q[i] * q[i] + q[i + 1] * q[i + 1] + q[i + 2] * q[i + 2] + q[i + 3] * q[i + 3] );
+				    std::sqrt( q[i] * q[i] + q[i + 1] * q[i + 1] + q[i + 2] * q[i + 2] + q[i + 3] * q[i + 3] );
 				for ( std::size_t k = i; k < i + 4; ++k )
 				{
 					q[k] /= norm;
@@ -242,7 +242,7 @@ private:
 			const lw_range range = { 0, 0.05, 0 };
 			lw_state_result result;
 			leeway::require(
-				lw_checker_state( checker.get(), query, q.data(), LW_CHECK_BOTH, &range, false, &result ), "a state" );
+			    lw_checker_state( checker.get(), query, q.data(), LW_CHECK_BOTH, &range, false, &result ), "a state" );
 			if ( result.verdict != LW_VERDICT_FREE )
 			{
 				continue;

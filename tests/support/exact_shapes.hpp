@@ -39,8 +39,9 @@ struct Body
 	void addBox( const Box& box )
 	{
 		boxes.push_back( box );
-		auto corner = [&]( int i ) -> lw_vec3
-		{ return { i & 1 ? box.max[0] : box.min[0], i & 2 ? box.max[1] : box.min[1], i & 4 ? box.max[2] : box.min[2] }; };
+		auto corner = [&]( int i ) -> lw_vec3 {
+			return { i & 1 ? box.max[0] : box.min[0], i & 2 ? box.max[1] : box.min[1], i & 4 ? box.max[2] : box.min[2] };
+		};
 		const int faces[12][3] = { { 0, 1, 3 }, { 0, 3, 2 }, { 4, 5, 7 }, { 4, 7, 6 }, { 0, 1, 5 }, { 0, 5, 4 }, { 2, 3, 7 },
 		    { 2, 7, 6 }, { 0, 2, 6 }, { 0, 6, 4 }, { 1, 3, 7 }, { 1, 7, 5 } };
 		for ( const int* f : faces )
@@ -156,7 +157,7 @@ inline Enclosure distance(
 	Rotation ra( world_from_a ), rb( world_from_b );
 	Vec<Wide> none = { 0, 0, 0 };
 	Vec<Wide> offset = { Wide( world_from_b.t[0] ) - world_from_a.t[0], Wide( world_from_b.t[1] ) - world_from_a.t[1],
-		Wide( world_from_b.t[2] ) - world_from_a.t[2] };
+	    Wide( world_from_b.t[2] ) - world_from_a.t[2] };
 	std::vector<Placed> pa = place( a, ra, none ), pb = place( b, rb, offset );
 	if ( isInside( pa, b, rb, offset ) || isInside( pb, a, ra, none ) )
 	{

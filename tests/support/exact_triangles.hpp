@@ -215,8 +215,7 @@ template <class R> inline R enclosureError( R extent )
 
 /// Closest points of the lines of two edges, clamped as in Ericson 5.1.9 but for the determinant, which is that of the cross
 /// product.
-template <class R>
-inline void nearestOfEdges( Vec<R> a, Vec<R> u, Vec<R> b, Vec<R> v, Vec<R>& pa, Vec<R>& pb )
+template <class R> inline void nearestOfEdges( Vec<R> a, Vec<R> u, Vec<R> b, Vec<R> v, Vec<R>& pa, Vec<R>& pb )
 {
 	Vec<R> r = b - a, n = cross( u, v );
 	R nn = dot( n, n ), uu = dot( u, u ), vv = dot( v, v ), uv = dot( u, v );
@@ -244,7 +243,7 @@ enum
 {
 	corners_of_a = 0, ///< corner i of a against b
 	corners_of_b = 3,
-	edges = 6,         ///< edge i of a against edge j of b: 6 + 3 i + j
+	edges = 6,           ///< edge i of a against edge j of b: 6 + 3 i + j
 	crossings_of_a = 15, ///< edge i of a through the face of b
 	crossings_of_b = 18,
 	feature_count = 21
@@ -410,8 +409,8 @@ template <class R> inline R pointDistance( const lw_vec3 t[3], lw_vec3 p )
 /// The same, given points that are said to be the nearest: an enclosure that shows `claimed` to be right to `tolerance`, if
 /// they are the given ones; otherwise as distance(). How far the points are from their triangles goes to *outside, in 64
 /// bits.
-inline Enclosure distanceNear( const lw_vec3 a[3], const lw_vec3 b[3], lw_vec3 near_a, lw_vec3 near_b, double claimed,
-	double tolerance, Wide* outside )
+inline Enclosure distanceNear(
+    const lw_vec3 a[3], const lw_vec3 b[3], lw_vec3 near_a, lw_vec3 near_b, double claimed, double tolerance, Wide* outside )
 {
 	Pair<Wide> pair( a, b );
 	Vec<Wide> pa = { near_a.x - Wide( a[0].x ), near_a.y - Wide( a[0].y ), near_a.z - Wide( a[0].z ) };

@@ -319,7 +319,7 @@ private:
 		double coordinates = largestCoordinate( got.point_a ) + largestCoordinate( got.point_b );
 		double allowed = m_promise.rounding + 4 * 0x1p-53 * coordinates; // they are rounded in the world
 		double worst = std::max( beside( m_pair.a, m_pair.world_from_a, got.point_a, got.a ),
-			beside( m_pair.b, m_pair.world_from_b, got.point_b, got.b ) );
+		    beside( m_pair.b, m_pair.world_from_b, got.point_b, got.b ) );
 		worst = std::max( worst, std::abs( distanceOf( got.point_a, got.point_b ) - got.upper ) );
 		add( query_witness, worst / allowed );
 	}

@@ -135,7 +135,7 @@ inline exact::Body randomBody( Random& random )
 	exact::Body body;
 	std::uint32_t kind = random.below( 9 ), count = 1 + random.below( kind == 0 ? 1 : 24 );
 	double part = random.below( 3 ) == 0 ? 1 : random.octave( -40, 0 ); // size of the parts
-	if ( kind == 8 ) // a primitive: box, capsule
+	if ( kind == 8 )                                                    // a primitive: box, capsule
 	{
 		double x = random.octave( -20, 0 ), y = random.octave( -20, 0 ), z = random.octave( -20, 0 );
 		body.type = random.below( 2 ) == 0 ? LW_SHAPE_BOX : LW_SHAPE_CAPSULE;

@@ -85,16 +85,16 @@ inline void findModels( const std::filesystem::path& file, const std::filesystem
 	// <robot>_<set>_scene<number>
 	std::size_t set = robot.size() + 1, scene = table.name.rfind( '_' );
 	table.group = robot == "panda" ? "panda_arm" : "arm_with_torso";
-	table.scene = ( robot_folder / "problems" / table.name.substr( set, scene - set ) /
-		( table.name.substr( scene + 1 ) + ".yaml" ) )
-					  .string();
+	table.scene =
+	    ( robot_folder / "problems" / table.name.substr( set, scene - set ) / ( table.name.substr( scene + 1 ) + ".yaml" ) )
+	        .string();
 }
 
 /// @throws std::runtime_error if the file is not such a table
 inline Table readTable( const std::filesystem::path& file, const std::filesystem::path& data )
 {
 	static const char* const columns[] = { "d_env", "env_link", "env_object", "d_self", "self_link1", "self_link2",
-		"d_self_moving", "self_moving_link1", "self_moving_link2", "in_collision_env", "in_collision_self" };
+	    "d_self_moving", "self_moving_link1", "self_moving_link2", "in_collision_env", "in_collision_self" };
 	Table table;
 	findModels( file, data, table );
 	std::ifstream in( file );

@@ -189,21 +189,21 @@ inline lw_shape* randomPrimitive( SeededRng& rng, double size, std::vector<lw_ve
 		double c = std::cos( angle ), s = std::sin( angle );
 		switch ( type )
 		{
-			case LW_SHAPE_BOX:
-				points->push_back( { i & 1 ? d[0] / 2 : -d[0] / 2, i & 2 ? d[1] / 2 : -d[1] / 2, z * d[2] } );
-				break;
-			case LW_SHAPE_SPHERE:
-				points->push_back( { c * d[0], s * d[0], 0 } );
-				break;
-			case LW_SHAPE_CAPSULE:
-				points->push_back( { i < 6 ? c * d[0] : 0, i < 6 ? s * d[0] : 0, z * d[1] + ( i < 6 ? 0 : 2 * z * d[0] ) } );
-				break;
-			case LW_SHAPE_CONE:
-				points->push_back( i < 9 ? lw_vec3{ c * d[0], s * d[0], -0.5 * d[1] } : lw_vec3{ 0, 0, 0.5 * d[1] } );
-				break;
-			default:
-				points->push_back( { c * d[0], s * d[0], z * d[1] } );
-				break;
+		case LW_SHAPE_BOX:
+			points->push_back( { i & 1 ? d[0] / 2 : -d[0] / 2, i & 2 ? d[1] / 2 : -d[1] / 2, z * d[2] } );
+			break;
+		case LW_SHAPE_SPHERE:
+			points->push_back( { c * d[0], s * d[0], 0 } );
+			break;
+		case LW_SHAPE_CAPSULE:
+			points->push_back( { i < 6 ? c * d[0] : 0, i < 6 ? s * d[0] : 0, z * d[1] + ( i < 6 ? 0 : 2 * z * d[0] ) } );
+			break;
+		case LW_SHAPE_CONE:
+			points->push_back( i < 9 ? lw_vec3{ c * d[0], s * d[0], -0.5 * d[1] } : lw_vec3{ 0, 0, 0.5 * d[1] } );
+			break;
+		default:
+			points->push_back( { c * d[0], s * d[0], z * d[1] } );
+			break;
 		}
 	}
 	return shape;
@@ -212,11 +212,11 @@ inline lw_shape* randomPrimitive( SeededRng& rng, double size, std::vector<lw_ve
 struct RandomRobotOptions
 {
 	int joints = 8;
-	bool floating = true;  ///< planar and floating joints too
+	bool floating = true; ///< planar and floating joints too
 	double meshShare = 0.5;
 	int triangles = 6;
-	double size = 0.15; ///< of shapes
-	double offset = 0.3; ///< of joint origins
+	double size = 0.15;   ///< of shapes
+	double offset = 0.3;  ///< of joint origins
 	double bareShare = 0; ///< of links without geometry, such as flanges
 };
 
@@ -229,7 +229,7 @@ inline RobotModel randomRobot( SeededRng& rng, const RandomRobotOptions& o )
 	for ( int i = 0; i < o.joints; ++i )
 	{
 		static const lw_joint_type types[] = { LW_JOINT_FIXED, LW_JOINT_REVOLUTE, LW_JOINT_REVOLUTE, LW_JOINT_REVOLUTE,
-			LW_JOINT_CONTINUOUS, LW_JOINT_PRISMATIC, LW_JOINT_PLANAR, LW_JOINT_FLOATING };
+		    LW_JOINT_CONTINUOUS, LW_JOINT_PRISMATIC, LW_JOINT_PLANAR, LW_JOINT_FLOATING };
 		lw_joint_type type = types[rng.integer( 0, o.floating ? 7 : 5 )];
 		// mostly chains, sometimes branches
 		int last = static_cast<int>( model.linkNames.size() ) - 1;
@@ -258,7 +258,7 @@ inline RobotModel randomRobot( SeededRng& rng, const RandomRobotOptions& o )
 			j.position_upper[k] = rng.integer( 0, 1 ) ? INFINITY : 0.4;
 		}
 		bool follows = i > 0 && ( type == LW_JOINT_REVOLUTE || type == LW_JOINT_CONTINUOUS || type == LW_JOINT_PRISMATIC ) &&
-					   rng.integer( 0, 3 ) == 0;
+		               rng.integer( 0, 3 ) == 0;
 		std::uint32_t leader = static_cast<std::uint32_t>( rng.integer( 0, i > 0 ? i - 1 : 0 ) );
 		if ( follows && model.joints[leader].type != LW_JOINT_PLANAR && model.joints[leader].type != LW_JOINT_FLOATING )
 		{
@@ -275,7 +275,7 @@ inline RobotModel randomRobot( SeededRng& rng, const RandomRobotOptions& o )
 			continue;
 		}
 		lw_shape* shape = rng.uniform( 0, 1 ) < o.meshShare ? randomMesh( rng, o.triangles, o.size, &points )
-															: randomPrimitive( rng, o.size, &points );
+		                                                    : randomPrimitive( rng, o.size, &points );
 		model.body( link, shape, randomTransform( rng, o.size ), points );
 	}
 	return model;
@@ -420,9 +420,9 @@ inline Matrix oracleMotion( const RobotModel& model, const lw_robot* robot, std:
 {
 	const lw_joint_def& j = model.joints[joint];
 	Matrix m = identityMatrix();
-	long double length = std::sqrt( static_cast<long double>( j.axis[0] ) * j.axis[0] +
-									static_cast<long double>( j.axis[1] ) * j.axis[1] +
-									static_cast<long double>( j.axis[2] ) * j.axis[2] );
+	long double length =
+	    std::sqrt( static_cast<long double>( j.axis[0] ) * j.axis[0] + static_cast<long double>( j.axis[1] ) * j.axis[1] +
+	               static_cast<long double>( j.axis[2] ) * j.axis[2] );
 	std::array<long double, 3> axis = { j.axis[0] / length, j.axis[1] / length, j.axis[2] / length };
 	if ( j.type == LW_JOINT_REVOLUTE || j.type == LW_JOINT_CONTINUOUS )
 	{
@@ -446,8 +446,8 @@ inline Matrix oracleMotion( const RobotModel& model, const lw_robot* robot, std:
 		in[0][3] = v[0];
 		in[1][3] = sign * v[1];
 		Matrix moved = product( tilt, in );
-		Matrix turn = rodrigues( axis, std::sin( static_cast<long double>( v[2] ) ),
-			std::cos( static_cast<long double>( v[2] ) ) );
+		Matrix turn =
+		    rodrigues( axis, std::sin( static_cast<long double>( v[2] ) ), std::cos( static_cast<long double>( v[2] ) ) );
 		for ( int i = 0; i < 3; ++i )
 		{
 			turn[i][3] = moved[i][3];
@@ -458,7 +458,7 @@ inline Matrix oracleMotion( const RobotModel& model, const lw_robot* robot, std:
 	{
 		const double* v = &q[lw_robot_joint_variable( robot, joint )];
 		long double sine = std::sqrt( static_cast<long double>( v[3] ) * v[3] + static_cast<long double>( v[4] ) * v[4] +
-									  static_cast<long double>( v[5] ) * v[5] );
+		                              static_cast<long double>( v[5] ) * v[5] );
 		long double angle = 2 * std::atan2( sine, static_cast<long double>( v[6] ) );
 		m = rodrigues( { v[3], v[4], v[5] }, std::sin( angle ), std::cos( angle ) );
 		for ( int i = 0; i < 3; ++i )

@@ -54,12 +54,12 @@ inline leeway::Scene makeScene( SeededRng& rng, const lw_transform& around, int 
 
 /// Contacts, and all but contacts, of a state are allowed from now on.
 inline void allowContacts( RobotModel& model, const lw_scene* scene, const std::vector<std::uint32_t>& variables,
-	const State& state, const EdgeMargins& margins, std::vector<lw_link_object_pair>& allowed )
+    const State& state, const EdgeMargins& margins, std::vector<lw_link_object_pair>& allowed )
 {
 	const double close = 0.002;
 	const RobotPtr robot = model.create();
 	EdgeAuditor auditor( robot.get(), scene, variables, state.data(), {}, 1e-4,
-		[&]( bool self, std::uint32_t link, std::uint32_t other ) { return margins.of( self, link, other ); } );
+	    [&]( bool self, std::uint32_t link, std::uint32_t other ) { return margins.of( self, link, other ); } );
 	const std::uint32_t links = lw_robot_link_count( robot.get() );
 	for ( std::uint32_t a = 0; a < links; ++a )
 	{
@@ -179,7 +179,7 @@ inline EdgeWorld randomWorld( std::uint64_t seed, const RandomWorldOptions& opti
 	if ( options.margins )
 	{
 		world.margins = random_world::randomMargins(
-			rng, lw_robot_link_count( robot.get() ), lw_scene_object_count( world.scene.get() ) );
+		    rng, lw_robot_link_count( robot.get() ), lw_scene_object_count( world.scene.get() ) );
 	}
 	random_world::allowContacts( model, world.scene.get(), variables, world.reference, world.margins, world.allowed );
 	world.robot = leeway::Robot::adopt( model.create().release() );

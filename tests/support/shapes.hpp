@@ -23,8 +23,8 @@ struct QueryDeleter
 };
 using QueryPtr = std::unique_ptr<lw_query, QueryDeleter>;
 
-inline ShapePtr makeMesh( const std::vector<double>& vertices, const std::vector<uint32_t>& indices,
-	lw_tree_def tree = lw_tree_def_default() )
+inline ShapePtr makeMesh(
+    const std::vector<double>& vertices, const std::vector<uint32_t>& indices, lw_tree_def tree = lw_tree_def_default() )
 {
 	lw_mesh_def def = lw_mesh_def_default();
 	def.vertices = vertices.data();
@@ -86,7 +86,7 @@ inline lw_transform randomPose( SeededRng& rng, double spread )
 }
 
 inline QueryPtr makeQuery( const lw_scene* scene = nullptr, const lw_checker* checker = nullptr,
-	lw_query_def def = lw_query_def_default(), const lw_allocator* allocator = nullptr )
+    lw_query_def def = lw_query_def_default(), const lw_allocator* allocator = nullptr )
 {
 	lw_query* query = nullptr;
 	if ( lw_query_create( &def, scene, checker, allocator, &query ) != LW_OK )

@@ -54,8 +54,9 @@ std::vector<double> randomState( SeededRng& rng, const leeway::io::Problem& prob
 /// True if the two say the same: class, upper end to the bit, lower end to rounding. Any violation may be found first.
 bool same( const lw_clearance& a, const lw_clearance& b )
 {
-	return a.kind == b.kind && ( a.kind == LW_CLEARANCE_VIOLATION || ( a.upper == b.upper &&
-		( a.lower == b.lower || std::abs( a.lower - b.lower ) <= 1e-12 ) ) );
+	return a.kind == b.kind &&
+	       ( a.kind == LW_CLEARANCE_VIOLATION ||
+	           ( a.upper == b.upper && ( a.lower == b.lower || std::abs( a.lower - b.lower ) <= 1e-12 ) ) );
 }
 
 } // namespace
@@ -89,12 +90,12 @@ TEST_P( HierarchyTruth, ChangesAnAnswer )
 		const lw_range& range = ranges[i % 3];
 		lw_state_result want, got;
 		ASSERT_EQ( LW_OK,
-			lw_checker_state( problem.checker.get(), without_reach.get(), q.data(), LW_CHECK_BOTH, &range, false, &want ) );
-		ASSERT_EQ( LW_OK,
-			lw_checker_state( problem.checker.get(), by_nodes.get(), q.data(), LW_CHECK_BOTH, &range, false, &got ) );
+		    lw_checker_state( problem.checker.get(), without_reach.get(), q.data(), LW_CHECK_BOTH, &range, false, &want ) );
+		ASSERT_EQ(
+		    LW_OK, lw_checker_state( problem.checker.get(), by_nodes.get(), q.data(), LW_CHECK_BOTH, &range, false, &got ) );
 		EXPECT_EQ( want.verdict, got.verdict ) << "state " << i;
 		EXPECT_TRUE( same( want.environment, got.environment ) )
-			<< "state " << i << ": " << want.environment.upper << ' ' << got.environment.upper;
+		    << "state " << i << ": " << want.environment.upper << ' ' << got.environment.upper;
 		EXPECT_TRUE( same( want.self, got.self ) ) << "state " << i << ": " << want.self.upper << ' ' << got.self.upper;
 		++( want.verdict == LW_VERDICT_FREE ? free : blocked );
 	}
@@ -102,4 +103,4 @@ TEST_P( HierarchyTruth, ChangesAnAnswer )
 }
 
 INSTANTIATE_TEST_SUITE_P( Shared, HierarchyTruth, ::testing::ValuesIn( CASES ),
-	[]( const auto& which ) { return std::string( which.param.name ); } );
+    []( const auto& which ) { return std::string( which.param.name ); } );

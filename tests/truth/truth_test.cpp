@@ -164,8 +164,8 @@ private:
 std::string describe( const lw_clearance& c, double truth )
 {
 	char text[200];
-	std::snprintf( text, sizeof text, "kind %d [%.12g, %.12g] against %.12g", static_cast<int>( c.kind ), c.lower, c.upper,
-		truth );
+	std::snprintf(
+	    text, sizeof text, "kind %d [%.12g, %.12g] against %.12g", static_cast<int>( c.kind ), c.lower, c.upper, truth );
 	return text;
 }
 
@@ -184,11 +184,12 @@ bool agrees( const lw_clearance& c, const lw_range& range, double truth, double 
 		return may_be_far && c.lower == range.max_d && std::isinf( c.upper );
 	case LW_CLEARANCE_NEAR:
 		return !must_violate && !must_be_far && c.lower > range.min_d && c.upper < range.max_d &&
-			c.lower <= truth + tolerance && c.upper >= truth - tolerance &&
-			c.upper - c.lower <= range.alpha * c.upper + EXACT_WIDTH && ( range.alpha > 0 || c.upper <= truth + tolerance );
+		       c.lower <= truth + tolerance && c.upper >= truth - tolerance &&
+		       c.upper - c.lower <= range.alpha * c.upper + EXACT_WIDTH &&
+		       ( range.alpha > 0 || c.upper <= truth + tolerance );
 	case LW_CLEARANCE_UNDECIDED:
 		return !must_violate && !must_be_far && c.lower <= range.min_d && c.upper - c.lower <= EXACT_WIDTH &&
-			std::abs( c.upper - truth ) <= tolerance;
+		       std::abs( c.upper - truth ) <= tolerance;
 	case LW_CLEARANCE_UNKNOWN:
 		break;
 	}
@@ -275,8 +276,8 @@ TEST_P( Truth, ExactDistancesAgree )
 		const groundtruth::Row& row = m_subject->table.rows[i];
 		lw_state_result got;
 		ASSERT_EQ( lw_checker_state( m_subject->group.get(), query.get(), m_subject->group_states[i].data(), LW_CHECK_BOTH,
-					   nullptr, false, &got ),
-			LW_OK );
+		               nullptr, false, &got ),
+		    LW_OK );
 		const lw_clearance &env = got.environment, &self = got.self;
 		double tolerance = m_subject->tolerance( row, env.b );
 		if ( !agrees( env, lw_range_exact(), row.d_env, tolerance ) || ( env.upper == 0 ) != row.in_collision_env )
@@ -349,8 +350,8 @@ TEST_P( Truth, StopAtFirstGivesTheSameVerdict )
 		const groundtruth::Row& row = m_subject->table.rows[i];
 		lw_state_result got;
 		ASSERT_EQ( lw_checker_state( m_subject->group.get(), query.get(), m_subject->group_states[i].data(), LW_CHECK_BOTH,
-					   &range, true, &got ),
-			LW_OK );
+		               &range, true, &got ),
+		    LW_OK );
 		bool blocked = row.d_env == 0 || row.d_self_moving == 0;
 		if ( got.verdict != ( blocked ? LW_VERDICT_BLOCKED : LW_VERDICT_FREE ) )
 		{
@@ -384,8 +385,7 @@ TEST_P( Truth, EverySimdLevelAgrees )
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST( Truth );
 INSTANTIATE_TEST_SUITE_P( Data, Truth, testing::Range<std::size_t>( 0, tableFiles().size() ),
-	[]( const testing::TestParamInfo<std::size_t>& table ) {
-		return tableFiles()[table.param].stem().string().substr( std::string( "groundtruth_" ).size() );
-	} );
+    []( const testing::TestParamInfo<std::size_t>& table )
+    { return tableFiles()[table.param].stem().string().substr( std::string( "groundtruth_" ).size() ); } );
 
 } // namespace

@@ -81,7 +81,8 @@ TEST_F( CliView, TheWayToALateFirstPointIsNotShown )
 	const std::string late = R"({"joint_names": ["shoulder", "elbow"], "points": [
 		{"positions": [-0.4, 0.1], "time_from_start": {"sec": 1}}, {"positions": [-0.5, 0.1], "time_from_start": {"sec": 3}}]})";
 	write( "t.json", R"({"trajectory_start": {"joint_state": {"name": ["shoulder", "elbow"], "position": [0.3, 0]}},
-		"trajectory": [{"joint_trajectory": )" + late + "}]}" );
+		"trajectory": [{"joint_trajectory": )" +
+	                     late + "}]}" );
 	ASSERT_EQ( view( { "--trajectory", "t.json", "--out", "page.html" } ).status, 0 );
 	const nlohmann::json motion = model( "page.html" )["motion"];
 	EXPECT_EQ( motion["steps"].front()["q"], nlohmann::json::parse( "[0.3, 0.0]" ) );

@@ -13,7 +13,7 @@ LW_EXTERN_C_BEGIN
 /// Contents of a blob: shapes, a reach, or both. Make it with lw_blob_def_default().
 typedef struct lw_blob_def
 {
-	lw_digest key; ///< digest of the source content (files, options)
+	lw_digest key;                 ///< digest of the source content (files, options)
 	const lw_shape* const* shapes; ///< [shape_count]
 	uint32_t shape_count;
 	const lw_reach* reach; ///< nullable
@@ -30,7 +30,7 @@ LW_API void lw_blob_free( const lw_allocator* allocator, void* bytes, size_t siz
 
 typedef struct lw_blob_info
 {
-	uint32_t version;     ///< of the format
+	uint32_t version; ///< of the format
 	lw_digest key;
 	uint32_t shape_count;
 	bool has_reach;

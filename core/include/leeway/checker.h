@@ -31,9 +31,9 @@ typedef struct lw_margins
 {
 	double environment;
 	double self;
-	const double* link_environment; ///< [robot link_count]; NULL = all 0
-	const double* link_self;        ///< [robot link_count]; NULL = all 0
-	const double* object;           ///< [scene object_count]; NULL = all 0
+	const double* link_environment;          ///< [robot link_count]; NULL = all 0
+	const double* link_self;                 ///< [robot link_count]; NULL = all 0
+	const double* object;                    ///< [scene object_count]; NULL = all 0
 	const lw_pair_margin* environment_pairs; ///< [environment_pair_count] link, object; each pair once
 	uint32_t environment_pair_count;
 	const lw_pair_margin* self_pairs; ///< [self_pair_count] two different links in either order; each pair once
@@ -109,7 +109,7 @@ typedef struct lw_checker_edit_def
 	/// NULL: each link, object and pair whose names still exist keeps its margin; new ones have only the general margins.
 	/// Otherwise these margins replace the old ones.
 	const lw_margins* margins;
-	double max_d; ///< as lw_checker_def::max_d; NaN = the same
+	double max_d;      ///< as lw_checker_def::max_d; NaN = the same
 	bool only_changes; ///< as lw_checker_def::only_changes: pairs of `checker` itself are left out where they did not change
 	uint32_t cookie;
 } lw_checker_edit_def;
@@ -143,16 +143,16 @@ LW_API void lw_checker_full_state( const lw_checker* checker, const double* q, d
 /// Contents of a checker. Counts are of bodies (shapes of links) and of pairs.
 typedef struct lw_checker_info
 {
-	uint32_t moving_bodies;  ///< bodies on links that the group moves
-	uint32_t static_bodies;  ///< the others
+	uint32_t moving_bodies;     ///< bodies on links that the group moves
+	uint32_t static_bodies;     ///< the others
 	uint32_t environment_pairs; ///< moving bodies x scene shapes, without allowed ones
-	uint32_t self_pairs;     ///< pairs of bodies to check for self-collision
-	uint32_t never_pairs;    ///< of self_pairs: proved apart by the reach; contact-only checks skip them
-	bool hierarchy;          ///< the checker has a reach, and the reach covers the values of variables outside the group
+	uint32_t self_pairs;        ///< pairs of bodies to check for self-collision
+	uint32_t never_pairs;       ///< of self_pairs: proved apart by the reach; contact-only checks skip them
+	bool hierarchy;             ///< the checker has a reach, and the reach covers the values of variables outside the group
 	/// Metres of clearance: obstacles that the group cannot approach to within this, inside its limits, are skipped. The
 	/// smaller of max_d and the clearance of the static bodies, which no state exceeds.
 	double horizon;
-	uint32_t near_shapes;    ///< scene shapes that are not skipped
+	uint32_t near_shapes;                   ///< scene shapes that are not skipped
 	double environment_margin, self_margin; ///< metres: upper bounds of the margins of all pairs
 	lw_clearance static_environment; ///< of the static bodies; a = link, b = object; FAR, lower = +inf if there is no pair
 	size_t bytes;
@@ -179,10 +179,10 @@ LW_API lw_status lw_checker_prepare( const lw_checker* checker,
 /// Outcome of a state or edge check.
 typedef enum lw_verdict
 {
-	LW_VERDICT_UNKNOWN = 0, ///< an error
-	LW_VERDICT_FREE = 1,    ///< proved: every selected clearance is > min_d
-	LW_VERDICT_BLOCKED = 2, ///< found: a selected clearance is <= min_d
-	LW_VERDICT_UNDECIDED = 3  ///< not decided: the clearance is in the stated band just above min_d
+	LW_VERDICT_UNKNOWN = 0,  ///< an error
+	LW_VERDICT_FREE = 1,     ///< proved: every selected clearance is > min_d
+	LW_VERDICT_BLOCKED = 2,  ///< found: a selected clearance is <= min_d
+	LW_VERDICT_UNDECIDED = 3 ///< not decided: the clearance is in the stated band just above min_d
 } lw_verdict;
 
 /// "FREE", "BLOCKED", "UNDECIDED" or "UNKNOWN".
@@ -222,7 +222,7 @@ typedef struct lw_state_reason
 	/// FREE: every selected clearance is above min_d. BLOCKED: the clearance of `pair` is at most min_d. UNDECIDED: that of
 	/// `pair` is min_d up to rounding. UNKNOWN: an error.
 	lw_verdict verdict;
-	bool self;         ///< `pair` is two links; false: a link and an object
+	bool self; ///< `pair` is two links; false: a link and an object
 	/// The first pair found that is not above min_d: a = link, b = object or link. Its `upper` is attained; it need not be the
 	/// least clearance of the state. UNKNOWN if the state is FREE, and after an error.
 	lw_clearance pair;
@@ -234,8 +234,8 @@ typedef struct lw_state_reason
 /// @param out_free true: proved. False: a clearance is at most min_d, or rounding (1e-12 m for an arm) decides, or an error
 /// @param out_reason the pair that is too near; nullable
 /// @return as lw_checker_state()
-LW_API lw_status lw_checker_is_free( const lw_checker* checker, lw_query* query, const double* q, lw_check_flags flags, double min_d,
-	bool* out_free, lw_state_reason* out_reason );
+LW_API lw_status lw_checker_is_free( const lw_checker* checker, lw_query* query, const double* q, lw_check_flags flags,
+	double min_d, bool* out_free, lw_state_reason* out_reason );
 
 /// How much lw_checker_states() measures.
 typedef enum lw_states_effort
@@ -278,8 +278,8 @@ typedef struct lw_edge_def
 	/// tuning: a pair within the band gets its own slack, half of its remaining clearance, down to rounding.
 	double slack;
 	uint32_t close_windows; ///< CERTIFIED: how many time intervals may be halved for pairs within slack, 1,024; 0: none
-	double max_d; ///< metres, > 0, STEPS: bound of the motion of any robot point between two checked states
-	double alpha; ///< relative tolerance of the distances used, [0, 1)
+	double max_d;           ///< metres, > 0, STEPS: bound of the motion of any robot point between two checked states
+	double alpha;           ///< relative tolerance of the distances used, [0, 1)
 	/// Compute proved_until also if a violation is found early (t_last of OMPL's checkMotion). Costs as many states again, or 8
 	/// if those are more; up to 32 while nothing is proved.
 	bool want_proved_until;
@@ -316,7 +316,7 @@ typedef struct lw_edge_result
 	/// CERTIFIED and FREE: a proved lower bound, > min_d, of all clearances along the edge and along all motions within the
 	/// tolerance. Otherwise 0.
 	double lower_bound;
-	uint32_t queries;    ///< states at which distances were measured
+	uint32_t queries; ///< states at which distances were measured
 } lw_edge_result;
 
 /// Checks the straight edge from qa to qb (see lw_robot_interpolate): both ends and everything between.

@@ -47,8 +47,8 @@ typedef struct lw_clearance
 	lw_vec3 point_a; ///< witness on a, valid only if upper is finite
 	lw_vec3 point_b; ///< witness on b, valid only if upper is finite
 	lw_clearance_class kind;
-	uint32_t a;      ///< element, link or object of point_a, as the function documents; LW_INVALID_INDEX if none
-	uint32_t b;      ///< the same for point_b
+	uint32_t a; ///< element, link or object of point_a, as the function documents; LW_INVALID_INDEX if none
+	uint32_t b; ///< the same for point_b
 } lw_clearance;
 
 /// The cautious answer [0, +inf], LW_CLEARANCE_UNKNOWN.
@@ -57,14 +57,14 @@ LW_API lw_clearance lw_clearance_unknown( void );
 /// Counts of a query since lw_query_reset_stats().
 typedef struct lw_query_stats
 {
-	uint64_t queries;        ///< shape-pair searches begun
-	uint64_t node_tests;     ///< 8-wide sphere tests
-	uint64_t leaf_tests;     ///< leaf-pair stages
-	uint64_t triangle_tests; ///< triangle pairs measured by the float filter
-	uint64_t exact_tests;    ///< pairs measured in double
+	uint64_t queries;           ///< shape-pair searches begun
+	uint64_t node_tests;        ///< 8-wide sphere tests
+	uint64_t leaf_tests;        ///< leaf-pair stages
+	uint64_t triangle_tests;    ///< triangle pairs measured by the float filter
+	uint64_t exact_tests;       ///< pairs measured in double
 	uint64_t center_transforms; ///< sphere centres moved into the other tree's frame
-	uint64_t robot_tests;    ///< hierarchical queries: tests of a link's spheres, or of a table entry for several pairs
-	uint64_t links_posed;    ///< link poses that checkers computed
+	uint64_t robot_tests;       ///< hierarchical queries: tests of a link's spheres, or of a table entry for several pairs
+	uint64_t links_posed;       ///< link poses that checkers computed
 } lw_query_stats;
 
 /// Working memory of one thread: stacks, poses, warm starts, statistics. Queries allocate no other memory. A query serves

@@ -97,12 +97,12 @@ typedef struct lw_sphere
 /// Bounds of one link: spheres around R, M and MR, and the size of the M hull.
 typedef struct lw_reach_node
 {
-	lw_sphere r;       ///< link frame
-	lw_sphere m;       ///< frame of the parent link (of the world for the root)
-	lw_sphere mr;      ///< link frame
+	lw_sphere r;               ///< link frame
+	lw_sphere m;               ///< frame of the parent link (of the world for the root)
+	lw_sphere mr;              ///< link frame
 	uint32_t hull_point_count; ///< of M; 0 if it is empty or unbounded
-	double dilation;   ///< metres: M is contained in the convex hull of its points, dilated by this
-	double excess;     ///< metres: upper bound of how far that exceeds the convex hull of the reachable places
+	double dilation;           ///< metres: M is contained in the convex hull of its points, dilated by this
+	double excess;             ///< metres: upper bound of how far that exceeds the convex hull of the reachable places
 } lw_reach_node;
 LW_API lw_reach_node lw_reach_get_node( const lw_reach* reach, uint32_t link );
 /// Points of the M hull of a link, [hull_point_count][3], frame of its parent link, owned by the reach.
@@ -111,16 +111,16 @@ LW_API const double* lw_reach_hull_points( const lw_reach* reach, uint32_t link 
 /// Class of a link pair: the first that applies.
 typedef enum lw_pair_class
 {
-	LW_PAIR_NONE = 0,     ///< the same link, or one has no geometry
-	LW_PAIR_RIGID = 1,    ///< no joint between them moves: their relative pose is constant
+	LW_PAIR_NONE = 0,  ///< the same link, or one has no geometry
+	LW_PAIR_RIGID = 1, ///< no joint between them moves: their relative pose is constant
 	/// Neighbours: one of them is the nearest link with geometry above the other, whatever joints are between. (MoveIt's
 	/// Setup Assistant also joins all neighbours of a link without geometry to each other; that would include siblings,
 	/// which can collide.)
 	LW_PAIR_ADJACENT = 2,
-	LW_PAIR_ALLOWED = 3,  ///< allowed by the robot's list (SRDF)
-	LW_PAIR_NEVER = 4,    ///< proved: apart in every state, see `proof`
-	LW_PAIR_ALWAYS = 5,   ///< in contact in every state that was measured: evidence, not a proof
-	LW_PAIR_CHECK = 6     ///< none of the above: must be checked
+	LW_PAIR_ALLOWED = 3, ///< allowed by the robot's list (SRDF)
+	LW_PAIR_NEVER = 4,   ///< proved: apart in every state, see `proof`
+	LW_PAIR_ALWAYS = 5,  ///< in contact in every state that was measured: evidence, not a proof
+	LW_PAIR_CHECK = 6    ///< none of the above: must be checked
 } lw_pair_class;
 LW_API const char* lw_pair_class_name( lw_pair_class kind ); ///< "adjacent", "never", ...
 
@@ -135,12 +135,12 @@ LW_API const char* lw_pair_proof_name( lw_pair_proof proof );
 typedef struct lw_reach_pair
 {
 	lw_pair_class kind;
-	lw_pair_proof proof; ///< of any pair that has one, adjacent and allowed pairs included
-	bool adjacent; ///< as LW_PAIR_ADJACENT; also set for rigid pairs
-	bool allowed;  ///< listed by the robot
-	double separation;   ///< metres, proved: the links are at least this far apart in every state; 0 = nothing is proved
-	double closest;      ///< metres: the smallest distance measured in any state; 0 = contact; +inf = none measured
-	double contact_share; ///< share of the random states in contact
+	lw_pair_proof proof;     ///< of any pair that has one, adjacent and allowed pairs included
+	bool adjacent;           ///< as LW_PAIR_ADJACENT; also set for rigid pairs
+	bool allowed;            ///< listed by the robot
+	double separation;       ///< metres, proved: the links are at least this far apart in every state; 0 = nothing is proved
+	double closest;          ///< metres: the smallest distance measured in any state; 0 = contact; +inf = none measured
+	double contact_share;    ///< share of the random states in contact
 	uint32_t variable_count; ///< variables that move the two against each other
 } lw_reach_pair;
 LW_API lw_reach_pair lw_reach_get_pair( const lw_reach* reach, uint32_t link_a, uint32_t link_b );

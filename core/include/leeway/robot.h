@@ -17,20 +17,20 @@ typedef enum lw_joint_type
 	LW_JOINT_REVOLUTE = 2,
 	LW_JOINT_CONTINUOUS = 3, ///< revolute without limits; values wrap, interpolation takes the shorter way
 	LW_JOINT_PRISMATIC = 4,
-	LW_JOINT_PLANAR = 5,     ///< moves in the plane normal to the axis through the joint origin; theta turns about the axis
+	LW_JOINT_PLANAR = 5, ///< moves in the plane normal to the axis through the joint origin; theta turns about the axis
 	LW_JOINT_FLOATING = 6
 } lw_joint_type;
 
 typedef struct lw_joint_def
 {
-	const char* name;  ///< unique
+	const char* name; ///< unique
 	lw_joint_type type;
-	uint32_t parent;   ///< link index
-	uint32_t child;    ///< link index; every link except the root is the child of exactly one joint
+	uint32_t parent;                ///< link index
+	uint32_t child;                 ///< link index; every link except the root is the child of exactly one joint
 	lw_transform parent_from_joint; ///< URDF origin: the joint frame (= child link frame at zero) in the parent link frame
-	double axis[3];    ///< joint frame, any non-zero length; normalised. Revolute, continuous, prismatic, planar
+	double axis[3];      ///< joint frame, any non-zero length; normalised. Revolute, continuous, prismatic, planar
 	double lower, upper; ///< limits of revolute and prismatic joints; may be infinite for prismatic
-	uint32_t mimic;    ///< joint that this joint follows: value = multiplier * its value + offset; or LW_INVALID_INDEX
+	uint32_t mimic;      ///< joint that this joint follows: value = multiplier * its value + offset; or LW_INVALID_INDEX
 	double mimic_multiplier, mimic_offset;
 	/// Limits of planar and floating joints: x, y, z (planar: x, y); may be infinite
 	double position_lower[3], position_upper[3];
@@ -85,7 +85,7 @@ typedef struct lw_attachment_def
 {
 	const char* name; ///< of the new link; unique in the robot
 	uint32_t link;    ///< parent link; contact of the object with it and with links rigidly attached to it is allowed
-	const lw_shape* const* shapes; ///< [shape_count], references are taken
+	const lw_shape* const* shapes;       ///< [shape_count], references are taken
 	const lw_transform* link_from_shape; ///< [shape_count], frame of `link`
 	uint32_t shape_count;
 	const uint32_t* touch_links; ///< [touch_link_count] further links that may touch the object, such as fingers
@@ -143,7 +143,7 @@ LW_API lw_body_def lw_robot_body( const lw_robot* robot, uint32_t body ); ///< t
 typedef struct lw_variable_info
 {
 	uint32_t joint;
-	uint32_t component; ///< 0 for one-variable joints; planar x y theta = 0 1 2; floating x y z qx qy qz qw = 0..6
+	uint32_t component;  ///< 0 for one-variable joints; planar x y theta = 0 1 2; floating x y z qx qy qz qw = 0..6
 	double lower, upper; ///< limits; infinite if none. Continuous joints and planar theta: -pi, pi
 	bool wraps;          ///< an angle without limits: continuous joints, planar theta
 } lw_variable_info;

@@ -44,10 +44,10 @@ typedef enum lw_scene_change_type
 typedef struct lw_scene_change
 {
 	lw_scene_change_type type;
-	const char* object;            ///< name; ADD: not in use yet; REMOVE and MOVE: of an existing object
-	const lw_shape* const* shapes; ///< ADD: [shape_count], references are taken
+	const char* object;                   ///< name; ADD: not in use yet; REMOVE and MOVE: of an existing object
+	const lw_shape* const* shapes;        ///< ADD: [shape_count], references are taken
 	const lw_transform* world_from_shape; ///< ADD, MOVE: [shape_count]
-	uint32_t shape_count;          ///< MOVE: as many as the object has; poses in the order of its shapes
+	uint32_t shape_count;                 ///< MOVE: as many as the object has; poses in the order of its shapes
 } lw_scene_change;
 
 /// Makes a new scene by applying the changes in order. `scene` is unchanged and stays valid for its users; both share shapes
@@ -65,7 +65,7 @@ LW_API void lw_scene_release( lw_scene* scene );
 LW_API uint32_t lw_scene_object_count( const lw_scene* scene );
 LW_API uint32_t lw_scene_shape_count( const lw_scene* scene );
 LW_API const char* lw_scene_object_name( const lw_scene* scene, uint32_t object );
-LW_API uint32_t lw_scene_find_object( const lw_scene* scene, const char* name ); ///< LW_INVALID_INDEX if none
+LW_API uint32_t lw_scene_find_object( const lw_scene* scene, const char* name );   ///< LW_INVALID_INDEX if none
 LW_API lw_scene_shape_def lw_scene_shape( const lw_scene* scene, uint32_t index ); ///< the scene keeps the reference
 
 LW_EXTERN_C_END

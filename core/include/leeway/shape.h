@@ -19,15 +19,15 @@ typedef enum lw_shape_type
 {
 	LW_SHAPE_MESH = 1,
 	LW_SHAPE_POINTS = 2,
-	LW_SHAPE_BOX = 3,      ///< dimensions x, y, z: full edge lengths, centred
-	LW_SHAPE_SPHERE = 4,   ///< dimensions radius
-	LW_SHAPE_CYLINDER = 5, ///< dimensions radius, height; axis z, centred
-	LW_SHAPE_CAPSULE = 6,  ///< dimensions radius, height between the two cap centres; axis z, centred
-	LW_SHAPE_CONE = 7,     ///< dimensions radius, height; axis z, base at -height/2, apex at +height/2
-	LW_SHAPE_SPHERES = 8,  ///< solid balls, each of its own radius
-	LW_SHAPE_BOXES = 9,    ///< solid boxes along the axes of the shape frame
+	LW_SHAPE_BOX = 3,        ///< dimensions x, y, z: full edge lengths, centred
+	LW_SHAPE_SPHERE = 4,     ///< dimensions radius
+	LW_SHAPE_CYLINDER = 5,   ///< dimensions radius, height; axis z, centred
+	LW_SHAPE_CAPSULE = 6,    ///< dimensions radius, height between the two cap centres; axis z, centred
+	LW_SHAPE_CONE = 7,       ///< dimensions radius, height; axis z, base at -height/2, apex at +height/2
+	LW_SHAPE_SPHERES = 8,    ///< solid balls, each of its own radius
+	LW_SHAPE_BOXES = 9,      ///< solid boxes along the axes of the shape frame
 	LW_SHAPE_HALFSPACE = 10, ///< no dimensions: all points with z <= 0, solid
-	LW_SHAPE_PLANE = 11    ///< no dimensions: z = 0, without thickness; both sides are free
+	LW_SHAPE_PLANE = 11      ///< no dimensions: z = 0, without thickness; both sides are free
 } lw_shape_type;
 
 LW_API const char* lw_shape_type_name( lw_shape_type type ); ///< "mesh", "points", "box", ...; "shape" if out of range
@@ -55,18 +55,18 @@ LW_API lw_tree_def lw_tree_def_default( void );
 /// Input of lw_shape_create_mesh(). Make it with lw_mesh_def_default(); a zeroed def is rejected.
 typedef struct lw_mesh_def
 {
-	const double* vertices;  ///< [vertex_count][3], metres, mesh frame; copied
+	const double* vertices; ///< [vertex_count][3], metres, mesh frame; copied
 	uint32_t vertex_count;
 	const uint32_t* indices; ///< [triangle_count][3]; winding does not matter; copied
 	uint32_t triangle_count;
-	double scale[3];         ///< applied to the vertices; non-zero, may be negative (mirror)
-	double weld_tolerance;   ///< metres, after scale; vertices closer than this may be merged. 0 = exact duplicates only
+	double scale[3];       ///< applied to the vertices; non-zero, may be negative (mirror)
+	double weld_tolerance; ///< metres, after scale; vertices closer than this may be merged. 0 = exact duplicates only
 	/// The mesh bounds a solid: a point inside touches it, distance 0. After welding the mesh must be closed: an even number
 	/// of triangles at every edge, usually two; winding does not matter. Several closed surfaces are several solids, also if
 	/// one encloses another: an enclosed void counts as inside. Excludes tree.tile_radius.
 	bool solid;
 	lw_tree_def tree;
-	uint32_t cookie;         ///< set by lw_mesh_def_default(); do not touch
+	uint32_t cookie; ///< set by lw_mesh_def_default(); do not touch
 } lw_mesh_def;
 
 LW_API lw_mesh_def lw_mesh_def_default( void );
@@ -156,17 +156,17 @@ typedef struct lw_shape_info
 	uint32_t degenerate_count; ///< zero-area triangles, kept
 	uint32_t node_count;       ///< wide inner nodes of the sphere tree
 	uint32_t leaf_count;
-	uint32_t depth;            ///< inner levels; 0 for primitives
-	size_t bytes;              ///< everything the shape holds
+	uint32_t depth;                ///< inner levels; 0 for primitives
+	size_t bytes;                  ///< everything the shape holds
 	double box_min[3], box_max[3]; ///< axis-aligned bounds, shape frame, metres
 	double sphere_center[3];       ///< bounding sphere, shape frame, metres
 	double sphere_radius;
-	double dimensions[3];          ///< of a primitive; radius of a point set, or of a coarser mesh, in [0]
+	double dimensions[3]; ///< of a primitive; radius of a point set, or of a coarser mesh, in [0]
 	/// Metres, certified. Of a coarser shape (detail.h): no point of it is farther from its original than this. Else 0.
 	double excess;
-	uint32_t original_count;       ///< triangles, points or balls; of a coarser shape those of its original
-	bool solid;                    ///< points inside touch it; meshes: lw_mesh_def.solid; planes: false; others: true
-	bool deferred;                 ///< not made yet: counts but triangle_count are 0; bounds are those of the def
+	uint32_t original_count; ///< triangles, points or balls; of a coarser shape those of its original
+	bool solid;              ///< points inside touch it; meshes: lw_mesh_def.solid; planes: false; others: true
+	bool deferred;           ///< not made yet: counts but triangle_count are 0; bounds are those of the def
 } lw_shape_info;
 
 /// Makes a deferred mesh. If that fails, the result is that of lw_shape_peek_info().

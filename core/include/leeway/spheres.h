@@ -11,9 +11,9 @@ LW_EXTERN_C_BEGIN
 /// their closed shells (so here the inside of a closed mesh belongs to the body).
 typedef struct lw_geometry_def
 {
-	const lw_shape* const* shapes;      ///< [shape_count]
+	const lw_shape* const* shapes;       ///< [shape_count]
 	const lw_transform* body_from_shape; ///< [shape_count]; NULL: all identity
-	uint32_t shape_count;               ///< >= 1
+	uint32_t shape_count;                ///< >= 1
 	/// Metres, >= 0: a shell counts as closed if all its holes are at most this wide (diagonal of the box around the rim); a
 	/// fan of triangles closes each hole. 0: shells must be closed as they are.
 	double close_holes;
@@ -32,8 +32,8 @@ typedef struct lw_spheres_def
 	/// result is then the best set so far, complete and proved like any other; see lw_spheres_met_target(). The first set,
 	/// one sphere around everything, is made before the first call.
 	bool ( *stop )( void* user );
-	void* user; ///< passed to stop
-	uint32_t cookie;       ///< set by lw_spheres_def_default(); do not touch
+	void* user;      ///< passed to stop
+	uint32_t cookie; ///< set by lw_spheres_def_default(); do not touch
 } lw_spheres_def;
 
 LW_API lw_spheres_def lw_spheres_def_default( void );
@@ -45,18 +45,18 @@ typedef struct lw_spheres lw_spheres;
 /// sphere. Points inside the body count as 0.
 typedef struct lw_spheres_report
 {
-	bool encloses;       ///< proved: the spheres contain every triangle and the inside of every solid primitive
+	bool encloses; ///< proved: the spheres contain every triangle and the inside of every solid primitive
 	/// Metres, if not proved: distance between all spheres and a part of the body; 0 if only the proof failed (a part of a
 	/// micrometre or less lies in no single sphere).
 	double uncovered;
-	lw_vec3 uncovered_at; ///< place of that part
-	double excess;       ///< metres, certified: no point of any sphere is farther from the body
-	double excess_attained; ///< metres: the excess of a sphere point that was measured (to rounding)
-	uint32_t deep_spheres;  ///< spheres whose centre is inside the body
-	uint32_t shells;        ///< closed shells of the body, after holes were closed
-	uint32_t open_shells;   ///< shells with open holes: their inside is not part of the body
-	uint32_t holes;         ///< holes that were closed
-	double widest_hole;     ///< metres: the widest closed hole
+	lw_vec3 uncovered_at;    ///< place of that part
+	double excess;           ///< metres, certified: no point of any sphere is farther from the body
+	double excess_attained;  ///< metres: the excess of a sphere point that was measured (to rounding)
+	uint32_t deep_spheres;   ///< spheres whose centre is inside the body
+	uint32_t shells;         ///< closed shells of the body, after holes were closed
+	uint32_t open_shells;    ///< shells with open holes: their inside is not part of the body
+	uint32_t holes;          ///< holes that were closed
+	double widest_hole;      ///< metres: the widest closed hole
 	double widest_open_hole; ///< metres: the widest open hole; 0 if none
 } lw_spheres_report;
 

@@ -129,8 +129,8 @@ static void keep_part( outer_search* s, const lw_vec3 v[3] )
 {
 	for ( int k = 0; k < 3 && s->ok; ++k )
 	{
-		s->ok = lwi_array_push( &s->vertices, &s->body->memory, 3 * sizeof( double ), ( double[3] ){ v[k].x, v[k].y,
-			v[k].z } );
+		s->ok =
+			lwi_array_push( &s->vertices, &s->body->memory, 3 * sizeof( double ), ( double[3] ){ v[k].x, v[k].y, v[k].z } );
 	}
 }
 
@@ -155,7 +155,8 @@ static void keep_visible( outer_search* s, const lw_vec3 v[3], int splits )
 		s->any_hidden = true;
 		return;
 	}
-	if ( splits == 0 || radius <= s->finest || !( inside || lwi_shape_is_near_but( body->closed, center, reach, body->shell, s->shell ) ) )
+	if ( splits == 0 || radius <= s->finest ||
+		 !( inside || lwi_shape_is_near_but( body->closed, center, reach, body->shell, s->shell ) ) )
 	{
 		keep_part( s, v );
 		return;
@@ -238,8 +239,7 @@ static void set_scale( lwi_body* body )
 }
 
 static lw_status build( const lwi_body_part* parts, uint32_t part_count, double close_holes, double grain,
-	lwi_body_triangles* s,
-	lwi_body* body, lw_diag* diag )
+	lwi_body_triangles* s, lwi_body* body, lw_diag* diag )
 {
 	const lw_allocator* memory = &body->memory;
 	for ( uint32_t i = 0; i < part_count; ++i )
@@ -252,8 +252,8 @@ static lw_status build( const lwi_body_part* parts, uint32_t part_count, double 
 		}
 		if ( part.shape->family == LWI_UNBOUNDED )
 		{
-			return lwi_fail( diag, LW_ERROR_UNSUPPORTED, i,
-				"shape %u is a half-space or a plane, which no spheres enclose", i );
+			return lwi_fail( diag, LW_ERROR_UNSUPPORTED, i, "shape %u is a half-space or a plane, which no spheres enclose",
+				i );
 		}
 		if ( s->vertices.count + 4 * (size_t)part.shape->vertex_count > UINT32_MAX / 2 || s->indices.count > LWI_MAX_ITEMS )
 		{
@@ -275,8 +275,8 @@ static lw_status build( const lwi_body_part* parts, uint32_t part_count, double 
 	}
 	memcpy( body->dilation, s->dilation.data, triangles * sizeof( double ) );
 	memcpy( body->solid, s->solid.data, triangles * sizeof( bool ) );
-	lw_status status = lwi_body_mesh_of( s->vertices.data, s->vertices.count, s->indices.data, triangles, memory, diag,
-		&body->surface );
+	lw_status status =
+		lwi_body_mesh_of( s->vertices.data, s->vertices.count, s->indices.data, triangles, memory, diag, &body->surface );
 	if ( status != LW_OK )
 	{
 		return status;

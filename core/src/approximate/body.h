@@ -37,18 +37,18 @@ typedef struct lwi_body
 	lw_shape* outer;
 	uint32_t* shell; ///< [triangle_count of closed]
 	uint32_t shell_count;
-	bool* shell_solid; ///< [shell_count]
+	bool* shell_solid;       ///< [shell_count]
 	uint32_t open_shells;    ///< shells that stay open
 	uint32_t holes;          ///< closed by caps
 	double widest_hole;      ///< metres, of those closed: the diagonal of its box
 	double widest_open_hole; ///< metres, of the open ones; 0 if there is none
 	uint32_t hidden;         ///< triangles of closed shells that are partly or wholly inside of others
 	struct lwi_ray_grid* grids;
-	uint8_t* parity;       ///< [shell_count], scratch, zero between calls
-	uint32_t inside_shell; ///< the shell that lwi_body_encloses() found
-	double chord;       ///< metres: by how much prisms around cylinders and cones stand out
-	double extent;      ///< largest |coordinate| of any vertex
-	double slack;       ///< metres: largest error of a computed distance or position of a vertex
+	uint8_t* parity;         ///< [shell_count], scratch, zero between calls
+	uint32_t inside_shell;   ///< the shell that lwi_body_encloses() found
+	double chord;            ///< metres: by how much prisms around cylinders and cones stand out
+	double extent;           ///< largest |coordinate| of any vertex
+	double slack;            ///< metres: largest error of a computed distance or position of a vertex
 	bool ( *stop )( void* ); ///< ends searches; NULL: nothing does
 	void* user;              ///< given to stop
 	uint32_t calls;          ///< of lwi_body_stopped()

@@ -70,7 +70,7 @@ static void offer_triangle( const lw_shape* shape, uint32_t triangle, lw_vec3 p,
 	}
 	if ( distance < best->distance )
 	{
-		*best = (lwi_nearest){ distance, triangle, x };
+		*best = ( lwi_nearest ){ distance, triangle, x };
 	}
 }
 
@@ -100,7 +100,7 @@ static uint32_t push_children( const lwi_node* node, lw_vec3 p, double limit, en
 			stack[at] = stack[at - 1];
 			--at;
 		}
-		stack[at] = (entry){ gap, node->child[lane] };
+		stack[at] = ( entry ){ gap, node->child[lane] };
 	}
 	return height;
 }
@@ -115,7 +115,7 @@ static lwi_nearest search( const lw_shape* shape, lw_vec3 p, double stop, double
 	// the tree stands in its own frame: rounding of p's move to that frame
 	double shift = 4 * LWI_U64 * ( lwi_length( p ) + lwi_length( lwi_load( shape->origin ) ) );
 	entry stack[LWI_MAX_DEPTH * LWI_WIDTH + 1];
-	stack[0] = (entry){ 0, shape->root };
+	stack[0] = ( entry ){ 0, shape->root };
 	uint32_t height = 1;
 	while ( height > 0 )
 	{
@@ -211,8 +211,7 @@ static int crosses( const double* a, const double* b, const double* c, lw_vec3 p
 }
 
 /// Odd crossings with some shell along the grid's direction: 1 yes, 0 no, -1 undecided.
-static int odd_crossings( lwi_body* body, const lwi_ray_grid* grid, lw_vec3 point, uint32_t but,
-	const bool* among )
+static int odd_crossings( lwi_body* body, const lwi_ray_grid* grid, lw_vec3 point, uint32_t but, const bool* among )
 {
 	lw_vec3 p = lwi_rotate( &grid->turn, point );
 	if ( p.x < grid->low[0] || p.x > grid->high[0] || p.y < grid->low[1] || p.y > grid->high[1] )
@@ -286,7 +285,7 @@ static double dilated_distance( const lwi_body* body, lw_vec3 p, bool certified 
 	lw_vec3 moved = lwi_sub( p, lwi_load( shape->origin ) );
 	double shift = 4 * LWI_U64 * ( lwi_length( p ) + lwi_length( lwi_load( shape->origin ) ) );
 	entry stack[LWI_MAX_DEPTH * LWI_WIDTH + 1];
-	stack[0] = (entry){ 0, shape->root };
+	stack[0] = ( entry ){ 0, shape->root };
 	uint32_t height = 1;
 	while ( height > 0 )
 	{

@@ -113,10 +113,10 @@ static void join_shells( const edge_use* uses, size_t count, uint32_t* parent, u
 typedef struct shells
 {
 	const lw_shape* mesh;
-	uint32_t* parent;     ///< [triangle_count], union-find of triangles
-	uint32_t* odd;        ///< [use_count], scratch
-	bool* open;           ///< [triangle_count], of the root: has a hole that stays
-	edge_use* uses;       ///< [use_count], sorted
+	uint32_t* parent; ///< [triangle_count], union-find of triangles
+	uint32_t* odd;    ///< [use_count], scratch
+	bool* open;       ///< [triangle_count], of the root: has a hole that stays
+	edge_use* uses;   ///< [use_count], sorted
 	size_t use_count;
 	uint32_t* loop;       ///< [vertex_count], union-find of vertices of odd edges of one shell
 	lwi_array odd_edges;  ///< edge_use: odd edges with the root of their shell
@@ -153,7 +153,7 @@ static void collect_edges( shells* s )
 		for ( size_t k = 0; k < 3; ++k )
 		{
 			uint32_t a = v[k], b = v[( k + 1 ) % 3];
-			s->uses[s->use_count++] = (edge_use){ a < b ? a : b, a < b ? b : a, t };
+			s->uses[s->use_count++] = ( edge_use ){ a < b ? a : b, a < b ? b : a, t };
 		}
 	}
 	qsort( s->uses, s->use_count, sizeof( edge_use ), compare_edges );
@@ -200,8 +200,8 @@ static bool add_cap( shells* s, const edge_use* edges, size_t count, uint32_t lo
 		if ( find( s->loop, edges[i].low ) == loop )
 		{
 			const double* v = s->mesh->vertices;
-			sum = lwi_add( sum, lwi_add( lwi_load( v + 3 * (size_t)edges[i].low ),
-				lwi_load( v + 3 * (size_t)edges[i].high ) ) );
+			sum = lwi_add( sum,
+				lwi_add( lwi_load( v + 3 * (size_t)edges[i].low ), lwi_load( v + 3 * (size_t)edges[i].high ) ) );
 			used += 2;
 		}
 	}
@@ -212,8 +212,8 @@ static bool add_cap( shells* s, const edge_use* edges, size_t count, uint32_t lo
 	{
 		if ( find( s->loop, edges[i].low ) == loop )
 		{
-			ok = lwi_array_push( &s->caps, memory, 3 * sizeof( uint32_t ), ( uint32_t[3] ){ edges[i].low, edges[i].high,
-				tip } ) &&
+			ok = lwi_array_push( &s->caps, memory, 3 * sizeof( uint32_t ),
+					 ( uint32_t[3] ){ edges[i].low, edges[i].high, tip } ) &&
 				 lwi_array_push( &s->cap_roots, memory, sizeof( uint32_t ), &edges[i].triangle );
 		}
 	}
@@ -329,10 +329,9 @@ static lw_status keep_closed( shells* s, lwi_body* body, lw_diag* diag )
 			}
 		}
 		status = body->shell_solid == NULL ? LW_ERROR_OUT_OF_MEMORY
-				 : body->shell_count == 0
-					 ? LW_OK
-					 : lwi_body_mesh_of( vertices.data, mesh->vertex_count + s->tips.count, indices.data, indices.count, memory,
-					 	diag, &body->closed );
+				 : body->shell_count == 0  ? LW_OK
+										   : lwi_body_mesh_of( vertices.data, mesh->vertex_count + s->tips.count,
+												 indices.data, indices.count, memory, diag, &body->closed );
 	}
 	if ( status == LW_OK && body->closed != NULL )
 	{

@@ -20,15 +20,16 @@ void lwi_body_triangles_free( lwi_body_triangles* s, const lw_allocator* memory 
 	lwi_array_free( &s->solid, memory, sizeof( bool ) );
 }
 
-static bool add_vertex( lwi_body_triangles* s, const lw_allocator* memory, const lw_transform* pose, double x, double y, double z )
+static bool add_vertex( lwi_body_triangles* s, const lw_allocator* memory, const lw_transform* pose, double x, double y,
+	double z )
 {
 	lw_vec3 p = lwi_transform( pose, lwi_v3( x, y, z ) );
 	const double v[3] = { p.x, p.y, p.z };
 	return lwi_array_push( &s->vertices, memory, sizeof( v ), v );
 }
 
-static bool add_triangle(
-	lwi_body_triangles* s, const lw_allocator* memory, uint32_t a, uint32_t b, uint32_t c, double dilation, bool solid )
+static bool add_triangle( lwi_body_triangles* s, const lw_allocator* memory, uint32_t a, uint32_t b, uint32_t c,
+	double dilation, bool solid )
 {
 	const uint32_t corners[3] = { a, b, c };
 	return lwi_array_push( &s->indices, memory, sizeof( corners ), corners ) &&
@@ -36,8 +37,8 @@ static bool add_triangle(
 		   lwi_array_push( &s->solid, memory, sizeof( solid ), &solid );
 }
 
-static bool add_box(
-	lwi_body_triangles* s, const lw_allocator* memory, const lw_transform* pose, const double low[3], const double high[3] )
+static bool add_box( lwi_body_triangles* s, const lw_allocator* memory, const lw_transform* pose, const double low[3],
+	const double high[3] )
 {
 	// two triangles per face; corner k has bit 0, 1, 2 for the greatest x, y, z
 	static const uint32_t faces[6][4] = { { 0, 1, 3, 2 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 3, 7, 6 }, { 0, 2, 6, 4 },
@@ -46,8 +47,8 @@ static bool add_box(
 	bool ok = true;
 	for ( uint32_t k = 0; k < 8; ++k )
 	{
-		ok = ok && add_vertex( s, memory, pose, k & 1 ? high[0] : low[0], k & 2 ? high[1] : low[1],
-					   k & 4 ? high[2] : low[2] );
+		ok = ok &&
+			 add_vertex( s, memory, pose, k & 1 ? high[0] : low[0], k & 2 ? high[1] : low[1], k & 4 ? high[2] : low[2] );
 	}
 	for ( int f = 0; f < 6; ++f )
 	{
@@ -85,7 +86,8 @@ static bool add_polygon( lwi_body_triangles* s, const lw_allocator* memory, uint
 	return ok;
 }
 
-static bool add_circle( lwi_body_triangles* s, const lw_allocator* memory, const lw_transform* pose, double radius, double z, uint32_t sides )
+static bool add_circle( lwi_body_triangles* s, const lw_allocator* memory, const lw_transform* pose, double radius, double z,
+	uint32_t sides )
 {
 	bool ok = true;
 	for ( uint32_t i = 0; i < sides && ok; ++i )
@@ -97,7 +99,8 @@ static bool add_circle( lwi_body_triangles* s, const lw_allocator* memory, const
 }
 
 /// A prism or pyramid around a cylinder or cone.
-static bool add_round( lwi_body_triangles* s, const lw_allocator* memory, const lwi_body_part* part, double chord, double* stands_out )
+static bool add_round( lwi_body_triangles* s, const lw_allocator* memory, const lwi_body_part* part, double chord,
+	double* stands_out )
 {
 	const double* d = part->shape->dimensions;
 	const lw_transform* pose = &part->body_from_shape;
@@ -134,7 +137,8 @@ static bool add_round( lwi_body_triangles* s, const lw_allocator* memory, const 
 }
 
 /// @param part not deferred, and bounded
-bool lwi_body_add_part( lwi_body_triangles* s, const lw_allocator* memory, const lwi_body_part* part, double chord, double* stands_out )
+bool lwi_body_add_part( lwi_body_triangles* s, const lw_allocator* memory, const lwi_body_part* part, double chord,
+	double* stands_out )
 {
 	const lw_shape* shape = part->shape;
 	const lw_transform* pose = &part->body_from_shape;

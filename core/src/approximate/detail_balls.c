@@ -115,7 +115,7 @@ lw_status lwi_detail_balls( const lw_shape* set, double tolerance, const lw_allo
 	*out_excess = 0;
 	for ( uint32_t i = 0; good && i < items; ++i )
 	{
-		order[i] = (ranked){ lwi_item_radius( set, i ), i };
+		order[i] = ( ranked ){ lwi_item_radius( set, i ), i };
 	}
 	if ( good )
 	{

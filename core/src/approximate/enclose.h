@@ -15,9 +15,9 @@ typedef struct lwi_fragment
 {
 	lw_vec3 corner[3];
 	lw_vec3 center;
-	double size;     ///< from the centre to the farthest corner
+	double size; ///< from the centre to the farthest corner
 	double dilation;
-	double weight;   ///< weight in the cover: its area
+	double weight; ///< weight in the cover: its area
 } lwi_fragment;
 
 /// A centre, and how deep it lies: a sphere about it of radius r has an excess of at most r - depth.
@@ -54,7 +54,8 @@ lw_status lwi_enclose_cover( lwi_body* body, const lwi_fragment_tree* tree, cons
 	double excess, lwi_array* chosen );
 
 /// Moves the sites so that the excess they need becomes small. @return that excess (the larger of all), or -1: out of memory
-double lwi_enclose_refine( lwi_body* body, const lwi_fragment_tree* tree, lwi_array* chosen, double excess, uint32_t rounds );
+double lwi_enclose_refine( lwi_body* body, const lwi_fragment_tree* tree, lwi_array* chosen, double excess,
+	uint32_t rounds );
 
 /// The spheres (double[4], appended) that the sites need for the fragments nearest to them, larger by margin.
 bool lwi_enclose_spheres( lwi_body* body, const lwi_fragment_tree* tree, lwi_array* chosen, double excess, double margin,
@@ -74,11 +75,12 @@ lw_status lwi_enclose_forms( lwi_body* body, const lw_geometry_def* def, double 
 	bool* made );
 
 /// Proves that spheres contain a box or cylinder whole. @return 1 proved, 0 not, -1 out of memory or stopped
-int lwi_enclose_solid( lwi_body* body, const lw_shape* shape, const lw_transform* pose, const double* spheres, uint32_t count );
+int lwi_enclose_solid( lwi_body* body, const lw_shape* shape, const lw_transform* pose, const double* spheres,
+	uint32_t count );
 
 /// Report of spheres against a body; see lw_spheres_check(). @param def the def from which the body was made
-lw_status lwi_enclose_check( lwi_body* body, const lw_geometry_def* def, const double* spheres, uint32_t count, lw_diag* diag,
-	lw_spheres_report* out );
+lw_status lwi_enclose_check( lwi_body* body, const lw_geometry_def* def, const double* spheres, uint32_t count,
+	lw_diag* diag, lw_spheres_report* out );
 
 LW_EXTERN_C_END
 

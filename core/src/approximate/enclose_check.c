@@ -322,8 +322,9 @@ static int check_primitives( lwi_body* body, checker* c, const lw_geometry_def* 
 		const lw_vec3 axis[3] = { lwi_transform( &pose, lwi_v3( 0, 0, -half ) ), end, end };
 		bool solid = shape->type == LW_SHAPE_BOX || shape->type == LW_SHAPE_CYLINDER;
 		int proved = solid ? lwi_enclose_solid( body, shape, &pose, c->spheres, c->count )
-				   : list_near( c, axis, shape->dimensions[0] ) && check_triangle( body, c, axis, shape->dimensions[0] )
-					   ? ( c->report->encloses ? 1 : 0 ) : -1;
+					 : list_near( c, axis, shape->dimensions[0] ) && check_triangle( body, c, axis, shape->dimensions[0] )
+						 ? ( c->report->encloses ? 1 : 0 )
+						 : -1;
 		if ( proved != 1 )
 		{
 			return proved;
@@ -332,15 +333,24 @@ static int check_primitives( lwi_body* body, checker* c, const lw_geometry_def* 
 	return 1;
 }
 
-lw_status lwi_enclose_check( lwi_body* body, const lw_geometry_def* def, const double* spheres, uint32_t count, lw_diag* diag,
-	lw_spheres_report* out )
+lw_status lwi_enclose_check( lwi_body* body, const lw_geometry_def* def, const double* spheres, uint32_t count,
+	lw_diag* diag, lw_spheres_report* out )
 {
-	*out = (lw_spheres_report){ .encloses = true, .shells = body->shell_count, .open_shells = body->open_shells,
-		.holes = body->holes, .widest_hole = body->widest_hole, .widest_open_hole = body->widest_open_hole };
+	*out = ( lw_spheres_report ){ .encloses = true,
+		.shells = body->shell_count,
+		.open_shells = body->open_shells,
+		.holes = body->holes,
+		.widest_hole = body->widest_hole,
+		.widest_open_hole = body->widest_open_hole };
 	double size = lw_shape_get_info( body->surface ).sphere_radius + body->dilation_max;
 	double margin = body->any_solid ? SOLID_MARGIN * size : 0;
-	checker c = { .spheres = spheres, .count = count, .slack = body->slack, .finest = FINEST * size,
-		.coarsest = COARSEST * size, .report = out, .memory = &body->memory };
+	checker c = { .spheres = spheres,
+		.count = count,
+		.slack = body->slack,
+		.finest = FINEST * size,
+		.coarsest = COARSEST * size,
+		.report = out,
+		.memory = &body->memory };
 	int proved = check_primitives( body, &c, def );
 	bool ok = proved >= 0;
 	if ( proved == 0 )

@@ -95,7 +95,8 @@ static void set_bounds( lwi_fragment_node* node, const lwi_fragment* fragments, 
 	for ( uint32_t i = 0; i < node->count; ++i )
 	{
 		const lwi_fragment* fragment = &fragments[node->first + i];
-		node->radius = fmax( node->radius, lwi_distance( fragment->center, node->center ) + fragment->size + fragment->dilation );
+		node->radius =
+			fmax( node->radius, lwi_distance( fragment->center, node->center ) + fragment->size + fragment->dilation );
 	}
 	*widest = 0;
 	for ( int k = 1; k < 3; ++k )
@@ -108,7 +109,7 @@ static uint32_t build_node( lwi_fragment_tree* tree, uint32_t first, uint32_t co
 {
 	uint32_t index = tree->node_count++;
 	lwi_fragment_node* node = &tree->nodes[index];
-	*node = (lwi_fragment_node){ .first = first, .count = count };
+	*node = ( lwi_fragment_node ){ .first = first, .count = count };
 	int axis;
 	set_bounds( node, tree->fragments, &axis );
 	if ( count > LEAF_PIECES )
@@ -124,7 +125,7 @@ static uint32_t build_node( lwi_fragment_tree* tree, uint32_t first, uint32_t co
 
 bool lwi_fragment_tree_create( lwi_fragment* fragments, uint32_t count, const lw_allocator* memory, lwi_fragment_tree* out )
 {
-	*out = (lwi_fragment_tree){ .fragments = fragments, .count = count };
+	*out = ( lwi_fragment_tree ){ .fragments = fragments, .count = count };
 	out->nodes = lwi_alloc( memory, ( 2 * (size_t)count + 1 ) * sizeof( lwi_fragment_node ) );
 	if ( out->nodes == NULL )
 	{
@@ -140,8 +141,8 @@ void lwi_fragment_tree_free( lwi_fragment_tree* tree, const lw_allocator* memory
 	tree->nodes = NULL;
 }
 
-bool lwi_fragment_tree_covered(
-	const lwi_fragment_tree* tree, lw_vec3 center, double radius, const lw_allocator* memory, lwi_array* out )
+bool lwi_fragment_tree_covered( const lwi_fragment_tree* tree, lw_vec3 center, double radius, const lw_allocator* memory,
+	lwi_array* out )
 {
 	out->count = 0;
 	uint32_t stack[MAX_TREE_DEPTH + 1], height = 1;
@@ -214,8 +215,8 @@ static bool thin_sites( const lwi_site* sites, size_t count, double excess, cons
 	{
 		double depth = fmax( sites[i].depth, 0 );
 		double level = floor( log2( SITE_SHARE * sqrt( 2 * depth * excess + excess * excess ) ) ), size = exp2( level );
-		places[i] = (place){ { (int64_t)level, (int64_t)floor( sites[i].center.x / size ),
-								 (int64_t)floor( sites[i].center.y / size ), (int64_t)floor( sites[i].center.z / size ) },
+		places[i] = ( place ){ { (int64_t)level, (int64_t)floor( sites[i].center.x / size ),
+								   (int64_t)floor( sites[i].center.y / size ), (int64_t)floor( sites[i].center.z / size ) },
 			sites[i].depth, (uint32_t)i };
 	}
 	if ( ok )
@@ -248,14 +249,14 @@ typedef struct cover
 	double excess;
 	lwi_body* body; ///< its stop function ends the search
 	const lw_allocator* memory;
-	uint32_t* times;  ///< [fragment]: how many chosen spheres cover it
-	size_t left;      ///< fragments that none covers
-	gain* heap;       ///< the largest first; gain.site is a place in the candidates
+	uint32_t* times; ///< [fragment]: how many chosen spheres cover it
+	size_t left;     ///< fragments that none covers
+	gain* heap;      ///< the largest first; gain.site is a place in the candidates
 	size_t heap_count;
-	lwi_array begin;  ///< size_t: where the fragments of each candidate begin
+	lwi_array begin;   ///< size_t: where the fragments of each candidate begin
 	lwi_array covered; ///< uint32_t: fragments, candidate by candidate
-	lwi_array picked; ///< uint32_t: candidates chosen
-	lwi_array found;  ///< scratch
+	lwi_array picked;  ///< uint32_t: candidates chosen
+	lwi_array found;   ///< scratch
 } cover;
 
 /// The larger gain first.

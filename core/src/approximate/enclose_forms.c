@@ -27,10 +27,10 @@ enum
 typedef struct form
 {
 	lw_transform pose;
-	bool round;      ///< a cylinder along z
+	bool round; ///< a cylinder along z
 	double half[3];
-	double middle;   ///< the smallest of them: how deep a centre can lie
-	double excess;   ///< a sphere at depth s has a radius of s + excess
+	double middle;           ///< the smallest of them: how deep a centre can lie
+	double excess;           ///< a sphere at depth s has a radius of s + excess
 	double margin, rounding; ///< are added to the radii
 	const lw_allocator* memory;
 	lwi_array* out; ///< double[4]; NULL: spheres are counted only
@@ -204,7 +204,7 @@ static stagger best_stagger( double x, double y, double rho )
 			double count = rows * n + ( more ? floor( rows / 2 ) : 0 );
 			if ( count < best.count )
 			{
-				best = (stagger){ count, n, rows, pitch, edge, step, more, ( way & 1 ) != 0 };
+				best = ( stagger ){ count, n, rows, pitch, edge, step, more, ( way & 1 ) != 0 };
 			}
 		}
 	}
@@ -424,7 +424,8 @@ static bool put_shape( form* f, const lw_shape* shape )
 	return f->middle > 0 && put_form( f );
 }
 
-lw_status lwi_enclose_forms( lwi_body* body, const lw_geometry_def* def, double excess, double margin, lwi_array* out, bool* made )
+lw_status lwi_enclose_forms( lwi_body* body, const lw_geometry_def* def, double excess, double margin, lwi_array* out,
+	bool* made )
 {
 	*made = false;
 	// a centre is no less deep in a prism than in its cylinder, and the excess over the prism counts as larger by the chord
@@ -432,7 +433,11 @@ lw_status lwi_enclose_forms( lwi_body* body, const lw_geometry_def* def, double 
 	for ( uint32_t i = 0; i < def->shape_count && target > 0; ++i )
 	{
 		form f = { .pose = def->body_from_shape != NULL ? def->body_from_shape[i] : lw_transform_identity(),
-			.excess = target, .margin = margin, .rounding = 8 * body->slack, .memory = &body->memory, .out = out };
+			.excess = target,
+			.margin = margin,
+			.rounding = 8 * body->slack,
+			.memory = &body->memory,
+			.out = out };
 		if ( lwi_body_stopped( body ) || !put_shape( &f, def->shapes[i] ) )
 		{
 			return LW_OK;

@@ -12,10 +12,10 @@
 
 enum
 {
-	MAX_SPLITS = 60,        ///< of one triangle; each three of them halve it
-	MAX_SHRINKS = 40,       ///< steps of one shrinking ball; rarely more than 8
-	MAX_PIECES = 1500000,   ///< above that the excess is too small for the body
-	PLACES = 1 << 15        ///< of sites that are remembered, by where they were found; a power of 2
+	MAX_SPLITS = 60,      ///< of one triangle; each three of them halve it
+	MAX_SHRINKS = 40,     ///< steps of one shrinking ball; rarely more than 8
+	MAX_PIECES = 1500000, ///< above that the excess is too small for the body
+	PLACES = 1 << 15      ///< of sites that are remembered, by where they were found; a power of 2
 };
 
 /// Size of a fragment relative to the patch of a plane that a sphere of the site's depth covers, of radius sqrt( 2 d e + e^2 ).
@@ -99,7 +99,8 @@ static lwi_fragment make_fragment( const lw_vec3 v[3], double dilation )
 		fragment.size = fmax( fragment.size, lwi_distance( fragment.center, v[k] ) );
 	}
 	// a little for its length, so that segments and points count too
-	fragment.weight = 0.5 * lwi_length( lwi_cross( lwi_sub( v[1], v[0] ), lwi_sub( v[2], v[0] ) ) ) + 1e-6 * fragment.size + 1e-12;
+	fragment.weight =
+		0.5 * lwi_length( lwi_cross( lwi_sub( v[1], v[0] ), lwi_sub( v[2], v[0] ) ) ) + 1e-6 * fragment.size + 1e-12;
 	return fragment;
 }
 
@@ -118,8 +119,8 @@ static place place_of( const cutter* cut, const lwi_fragment* fragment, lw_vec3 
 {
 	double size = PLACE_SHARE * cut->excess, x = fabs( normal.x ), y = fabs( normal.y ), z = fabs( normal.z );
 	uint32_t facing = x >= y && x >= z ? ( normal.x > 0 ? 1 : 2 ) : y >= z ? ( normal.y > 0 ? 3 : 4 ) : normal.z > 0 ? 5 : 6;
-	return (place){ .cell = { (int64_t)floor( fragment->center.x / size ), (int64_t)floor( fragment->center.y / size ),
-						(int64_t)floor( fragment->center.z / size ) },
+	return ( place ){ .cell = { (int64_t)floor( fragment->center.x / size ), (int64_t)floor( fragment->center.y / size ),
+						  (int64_t)floor( fragment->center.z / size ) },
 		.facing = facing };
 }
 
@@ -145,7 +146,8 @@ static bool is_served( const cutter* cut, const place* here, const lwi_fragment*
 	const lwi_site* sites = cut->sites->data;
 	for ( size_t i = there->first; i < there->first + there->count; ++i )
 	{
-		if ( fragment->size <= PIECE_SHARE * patch_of( &sites[i], cut->excess ) && covers( &sites[i], cut->excess, fragment ) )
+		if ( fragment->size <= PIECE_SHARE * patch_of( &sites[i], cut->excess ) &&
+			 covers( &sites[i], cut->excess, fragment ) )
 		{
 			return true;
 		}
@@ -159,8 +161,8 @@ static int keep_fragment( const cutter* cut, const lwi_fragment* fragment )
 	const lw_allocator* memory = &cut->body->memory;
 	lwi_site sites[3];
 	int count = 0;
-	lw_vec3 normal = lwi_cross(
-		lwi_sub( fragment->corner[1], fragment->corner[0] ), lwi_sub( fragment->corner[2], fragment->corner[0] ) );
+	lw_vec3 normal = lwi_cross( lwi_sub( fragment->corner[1], fragment->corner[0] ),
+		lwi_sub( fragment->corner[2], fragment->corner[0] ) );
 	place here = place_of( cut, fragment, normal );
 	if ( is_served( cut, &here, fragment ) )
 	{
@@ -180,7 +182,7 @@ static int keep_fragment( const cutter* cut, const lwi_fragment* fragment )
 		sites[0] = sites[1];
 		sites[1] = swap;
 	}
-	if ( fragment->size > PIECE_SHARE * patch_of( count > 0 ? &sites[0] : &(lwi_site){ .depth = 0 }, cut->excess ) )
+	if ( fragment->size > PIECE_SHARE * patch_of( count > 0 ? &sites[0] : &( lwi_site ){ .depth = 0 }, cut->excess ) )
 	{
 		return 0;
 	}

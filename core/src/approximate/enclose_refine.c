@@ -19,11 +19,11 @@ typedef struct refiner
 	const lwi_fragment_tree* tree;
 	lwi_site* sites;
 	size_t site_count;
-	uint32_t* owner;  ///< [fragment]: site
-	double* need;     ///< [fragment]: excess of the owner for it
-	uint32_t* order;  ///< [fragment]: fragments by owner
-	uint32_t* start;  ///< [site + 1] into order
-	double* worst;    ///< [site]: excess it needs for its fragments
+	uint32_t* owner; ///< [fragment]: site
+	double* need;    ///< [fragment]: excess of the owner for it
+	uint32_t* order; ///< [fragment]: fragments by owner
+	uint32_t* start; ///< [site + 1] into order
+	double* worst;   ///< [site]: excess it needs for its fragments
 	lwi_array found;
 } refiner;
 
@@ -124,10 +124,9 @@ static double reach_of( const refiner* r, size_t site, lw_vec3 center )
 /// Moves one site to where it needs less for its fragments, by steps along the axes and diagonals.
 static void move_site( refiner* r, size_t site, double excess )
 {
-	static const double directions[14][3] = { { 1, 0, 0 }, { -1, 0, 0 }, { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0, 1 }, { 0, 0,
-		-1 },
-		{ .577, .577, .577 }, { .577, .577, -.577 }, { .577, -.577, .577 }, { .577, -.577, -.577 }, { -.577, .577, .577 },
-		{ -.577, .577, -.577 }, { -.577, -.577, .577 }, { -.577, -.577, -.577 } };
+	static const double directions[14][3] = { { 1, 0, 0 }, { -1, 0, 0 }, { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0, 1 },
+		{ 0, 0, -1 }, { .577, .577, .577 }, { .577, .577, -.577 }, { .577, -.577, .577 }, { .577, -.577, -.577 },
+		{ -.577, .577, .577 }, { -.577, .577, -.577 }, { -.577, -.577, .577 }, { -.577, -.577, -.577 } };
 	lwi_site* s = &r->sites[site];
 	for ( double step = FIRST_STEP * excess; step > LAST_STEP * excess; step *= 0.5 )
 	{
@@ -173,7 +172,7 @@ static bool make_refiner( refiner* r, lwi_body* body, const lwi_fragment_tree* t
 {
 	const lw_allocator* memory = &body->memory;
 	size_t fragments = tree->count, count = sites->count;
-	*r = (refiner){ .body = body, .tree = tree, .sites = sites->data, .site_count = count };
+	*r = ( refiner ){ .body = body, .tree = tree, .sites = sites->data, .site_count = count };
 	r->owner = lwi_alloc( memory, fragments * sizeof( uint32_t ) );
 	r->need = lwi_alloc( memory, fragments * sizeof( double ) );
 	r->order = lwi_alloc( memory, fragments * sizeof( uint32_t ) );

@@ -33,7 +33,8 @@ typedef struct cell
 static int corners_of( const solid_walk* w, const cell* c, lw_vec3 out[8] )
 {
 	// the outer edge touches the arc in its middle; the inner one is a chord, inside of which nothing of the cell is
-	double turn = c->high[1] - c->low[1], outer = w->round ? c->high[0] / cos( 0.5 * turn ) * ( 1 + 16 * LWI_U64 ) : c->high[0];
+	double turn = c->high[1] - c->low[1],
+		   outer = w->round ? c->high[0] / cos( 0.5 * turn ) * ( 1 + 16 * LWI_U64 ) : c->high[0];
 	for ( int k = 0; k < 8; ++k )
 	{
 		double x = k & 1 ? outer : c->low[0], y = k & 2 ? c->high[1] : c->low[1], z = k & 4 ? c->high[2] : c->low[2];
@@ -108,7 +109,8 @@ static int visit( solid_walk* w, const cell* c, size_t first, int halvings )
 	return proved;
 }
 
-int lwi_enclose_solid( lwi_body* body, const lw_shape* shape, const lw_transform* pose, const double* spheres, uint32_t count )
+int lwi_enclose_solid( lwi_body* body, const lw_shape* shape, const lw_transform* pose, const double* spheres,
+	uint32_t count )
 {
 	const double* d = shape->dimensions;
 	solid_walk w = { .body = body, .spheres = spheres, .pose = *pose, .round = shape->type == LW_SHAPE_CYLINDER };

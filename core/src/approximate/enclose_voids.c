@@ -94,7 +94,7 @@ static bool visit( walk* w, lw_vec3 c, double half, size_t first, int depth )
 			continue;
 		}
 		met = true;
-		if ( listed && !lwi_array_push( &w->lists, &w->body->memory, sizeof( uint32_t ), &(uint32_t){ (uint32_t)index } ) )
+		if ( listed && !lwi_array_push( &w->lists, &w->body->memory, sizeof( uint32_t ), &( uint32_t ){ (uint32_t)index } ) )
 		{
 			return false;
 		}

@@ -14,12 +14,12 @@
 
 enum
 {
-	MAX_STAR = 96,    ///< triangles around an edge; busier ones stay
-	MAX_NEAR = 256,   ///< of these and around them
-	MAX_PIECES = 60,  ///< of an original triangle in a proof: more gain nothing, and failing proofs take much of the time
+	MAX_STAR = 96,      ///< triangles around an edge; busier ones stay
+	MAX_NEAR = 256,     ///< of these and around them
+	MAX_PIECES = 60,    ///< of an original triangle in a proof: more gain nothing, and failing proofs take much of the time
 	MOST_PIECES = 4000, ///< of a moved one: as many as there are triangles under it
-	LEVELS = 8,       ///< rounds of growing error, each twice the one before
-	MAX_PASSES = 12   ///< in one round
+	LEVELS = 8,         ///< rounds of growing error, each twice the one before
+	MAX_PASSES = 12     ///< in one round
 };
 
 /// Weight of the planes that stand on open edges, relative to the triangle's own.
@@ -89,15 +89,16 @@ static void add_plane( quadric* q, lw_vec3 n, lw_vec3 through, double weight )
 
 static quadric sum_of( const quadric* a, const quadric* b )
 {
-	return (quadric){ a->xx + b->xx, a->xy + b->xy, a->xz + b->xz, a->yy + b->yy, a->yz + b->yz, a->zz + b->zz, a->x + b->x,
-		a->y + b->y, a->z + b->z, a->c + b->c, a->weight + b->weight };
+	return ( quadric ){ a->xx + b->xx, a->xy + b->xy, a->xz + b->xz, a->yy + b->yy, a->yz + b->yz, a->zz + b->zz,
+		a->x + b->x, a->y + b->y, a->z + b->z, a->c + b->c, a->weight + b->weight };
 }
 
 /// Mean squared distance to the planes.
 static double error_at( const quadric* q, lw_vec3 p )
 {
 	double e = q->xx * p.x * p.x + q->yy * p.y * p.y + q->zz * p.z * p.z +
-			   2 * ( q->xy * p.x * p.y + q->xz * p.x * p.z + q->yz * p.y * p.z + q->x * p.x + q->y * p.y + q->z * p.z ) + q->c;
+			   2 * ( q->xy * p.x * p.y + q->xz * p.x * p.z + q->yz * p.y * p.z + q->x * p.x + q->y * p.y + q->z * p.z ) +
+			   q->c;
 	return q->weight > 0 ? fmax( e, 0 ) / q->weight : 0;
 }
 
@@ -261,7 +262,8 @@ static bool strays( const simplifier* s, const star* st, const lwi_candidate* tr
 	uint32_t hint = LW_INVALID_INDEX;
 	for ( uint32_t i = 0; i < st->kept; ++i )
 	{
-		if ( !( lwi_detail_distance( s->mesh, triangles[i].v, s->deviation, s->deviation, MOST_PIECES, &hint ) <= s->deviation ) )
+		if ( !( lwi_detail_distance( s->mesh, triangles[i].v, s->deviation, s->deviation, MOST_PIECES, &hint ) <=
+				 s->deviation ) )
 		{
 			return true;
 		}
@@ -394,7 +396,8 @@ static lw_vec3 place_of( const simplifier* s, uint32_t u, uint32_t v, double* co
 	least = fmin( least, other );
 	lw_vec3 clear;
 	// beyond the edge by more than its length is no place for it
-	bool is_clear = best_point( &q, &clear ) && lwi_distance( clear, a ) < 2 * length && lwi_distance( clear, b ) < 2 * length;
+	bool is_clear =
+		best_point( &q, &clear ) && lwi_distance( clear, a ) < 2 * length && lwi_distance( clear, b ) < 2 * length;
 	if ( !is_clear )
 	{
 		clear = lwi_scale( 0.5, lwi_add( a, b ) );
@@ -582,7 +585,8 @@ static void drop_copies( simplifier* s )
 	for ( uint32_t t = 0; t < s->soup.triangle_count; ++t )
 	{
 		uint32_t* v = s->soup.indices + 3 * (size_t)t;
-		for ( uint32_t c = is_alive( s, t ) ? s->corner_head[v[0]] : LW_INVALID_INDEX; c != LW_INVALID_INDEX; c = s->corner_next[c] )
+		for ( uint32_t c = is_alive( s, t ) ? s->corner_head[v[0]] : LW_INVALID_INDEX; c != LW_INVALID_INDEX;
+			  c = s->corner_next[c] )
 		{
 			const uint32_t* other = corners( s, c / 3 );
 			if ( c / 3 < t && is_alive( s, c / 3 ) && has( other, v[0] ) && has( other, v[1] ) && has( other, v[2] ) &&
@@ -615,7 +619,8 @@ void lwi_soup_free( const lw_allocator* memory, lwi_soup* soup )
 	memset( soup, 0, sizeof( *soup ) );
 }
 
-lw_status lwi_detail_simplify( const lw_shape* mesh, double deviation, const lw_allocator* memory, lw_diag* diag, lwi_soup* out )
+lw_status lwi_detail_simplify( const lw_shape* mesh, double deviation, const lw_allocator* memory, lw_diag* diag,
+	lwi_soup* out )
 {
 	simplifier s = { .mesh = mesh, .memory = *memory, .deviation = deviation };
 	bool good = take_memory( &s );

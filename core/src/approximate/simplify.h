@@ -21,7 +21,8 @@ void lwi_soup_free( const lw_allocator* memory, lwi_soup* soup );
 
 /// Fewer triangles that stay near those of a mesh: nearly all of them, on nearly all sides. Deterministic.
 /// @param deviation metres, > 0: largest distance of either from the other
-lw_status lwi_detail_simplify( const lw_shape* mesh, double deviation, const lw_allocator* memory, lw_diag* diag, lwi_soup* out );
+lw_status lwi_detail_simplify( const lw_shape* mesh, double deviation, const lw_allocator* memory, lw_diag* diag,
+	lwi_soup* out );
 
 /// Balls that contain those of a set of points or balls: lists of [count][4], centre and radius; each is about one of them,
 /// and reaches beyond that one by at most `tolerance`. Deterministic.

@@ -28,11 +28,11 @@ typedef struct detailing
 	const lw_shape* shape; ///< the original
 	lw_allocator memory;
 	lw_tree_def tree;
-	double half;           ///< of the tolerance: most that either side may be off by
-	lwi_soup soup;         ///< the coarser triangles that are not dropped
-	uint32_t* restored;    ///< [triangles of shape] those that are put back
+	double half;        ///< of the tolerance: most that either side may be off by
+	lwi_soup soup;      ///< the coarser triangles that are not dropped
+	uint32_t* restored; ///< [triangles of shape] those that are put back
 	uint32_t restored_count;
-	double radius, away;   ///< proved: from the shape to the coarser one, and back
+	double radius, away; ///< proved: from the shape to the coarser one, and back
 } detailing;
 
 static void corners_of( const double* vertices, const uint32_t* triangle, lw_vec3 out[3] )
@@ -69,8 +69,9 @@ static void find_uncovered( detailing* d, const lw_shape* coarser )
 	{
 		lw_vec3 v[3];
 		corners_of( d->shape->vertices, d->shape->indices + 3 * (size_t)t, v );
-		double distance =
-			coarser != NULL ? lwi_detail_distance( coarser, (const lw_vec3*)v, d->radius, d->half, MAX_PIECES, &hint ) : INFINITY;
+		double distance = coarser != NULL
+							  ? lwi_detail_distance( coarser, (const lw_vec3*)v, d->radius, d->half, MAX_PIECES, &hint )
+							  : INFINITY;
 		if ( distance <= d->half )
 		{
 			d->radius = fmax( d->radius, distance );
@@ -206,18 +207,21 @@ lw_status lw_shape_create_detail( const lw_shape* shape, double tolerance, const
 {
 	if ( out_shape == NULL || shape == NULL )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "%s is NULL", shape == NULL ? "shape" : "out_shape" );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "%s is NULL",
+			shape == NULL ? "shape" : "out_shape" );
 	}
 	*out_shape = NULL;
 	if ( !( tolerance > 0 ) || !isfinite( tolerance ) )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "tolerance is %g; give metres above 0", tolerance );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "tolerance is %g; give metres above 0",
+			tolerance );
 	}
 	lw_tree_def tree_def = tree != NULL ? *tree : lw_tree_def_default();
 	lw_status status = lwi_check_tree_def( &tree_def, diag );
 	if ( status == LW_OK && tree_def.tile_radius > 0 )
 	{
-		status = lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "a coarser shape cannot be tiled: set tree.tile_radius to 0" );
+		status = lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"a coarser shape cannot be tiled: set tree.tile_radius to 0" );
 	}
 	shape = status == LW_OK ? lwi_shape_made( shape, &status, diag ) : NULL;
 	if ( shape == NULL )

@@ -13,8 +13,8 @@
 enum
 {
 	MAX_CORNERS = 16,
-	MANY_CORNERS = 9,  ///< polygons with more are halved
-	MAX_CUTS = 64      ///< one after the other
+	MANY_CORNERS = 9, ///< polygons with more are halved
+	MAX_CUTS = 64     ///< one after the other
 };
 
 /// Share of the limit by which the prism over a triangle is widened, so that the parts beside it are no slivers.
@@ -61,10 +61,10 @@ typedef struct prover
 	const lw_shape* mesh; ///< NULL: the few triangles
 	const lwi_candidate* few;
 	uint32_t few_count;
-	double limit;      ///< bound for the distances of computed corners
-	double bound;      ///< largest so far; smaller ones are not computed
+	double limit; ///< bound for the distances of computed corners
+	double bound; ///< largest so far; smaller ones are not computed
 	uint32_t pieces, most_pieces;
-	uint32_t nearest;  ///< triangle that the last piece was near to
+	uint32_t nearest; ///< triangle that the last piece was near to
 } prover;
 
 static void load( const prover* s, uint32_t triangle, lw_vec3 v[3] )
@@ -268,7 +268,11 @@ double lwi_detail_distance( const lw_shape* mesh, const lw_vec3 triangle[3], dou
 	// A cut puts a corner off its side by less than 4u of the coordinates' size, MAX_CUTS in a row by as much more; nearest
 	// points are off their triangles, and distances wrong, by less than 32u of it.
 	double slack = ( 4 * MAX_CUTS + 64 ) * LWI_U64 * largest;
-	prover s = { .mesh = mesh, .limit = limit - slack, .bound = fmax( known - slack, 0 ), .most_pieces = pieces, .nearest = *hint };
+	prover s = { .mesh = mesh,
+		.limit = limit - slack,
+		.bound = fmax( known - slack, 0 ),
+		.most_pieces = pieces,
+		.nearest = *hint };
 	if ( !( s.limit > 0 ) || !prove( &s, &p, *hint, 0 ) )
 	{
 		return INFINITY;

@@ -17,9 +17,9 @@ enum
 {
 	SPHERES_DEF_COOKIE = 0x4c575331, ///< "LWS1"
 	REFINE_ROUNDS = 6,
-	FORM_ENOUGH = 24,        ///< a form of more spheres is taken without a search, which would take long
-	FORMS_ENOUGH = 200,      ///< the same of several shapes, which may hide parts of each other
-	COUNT_STEPS = 12 ///< bisections of the excess where a number of spheres is given
+	FORM_ENOUGH = 24,   ///< a form of more spheres is taken without a search, which would take long
+	FORMS_ENOUGH = 200, ///< the same of several shapes, which may hide parts of each other
+	COUNT_STEPS = 12    ///< bisections of the excess where a number of spheres is given
 };
 
 /// Share of the excess that is reserved for the rounding of radii and depths when fragments are cut.
@@ -42,7 +42,7 @@ struct lw_spheres
 
 lw_spheres_def lw_spheres_def_default( void )
 {
-	return (lw_spheres_def){ .cookie = SPHERES_DEF_COOKIE };
+	return ( lw_spheres_def ){ .cookie = SPHERES_DEF_COOKIE };
 }
 
 /// Spheres of at most `excess` into `out` (double[4]), moved to where they need less for some rounds.
@@ -133,7 +133,8 @@ static lw_status prove( lwi_body* body, const lw_spheres_def* def, cover_set* se
 	{
 		round_outward( &set->spheres, def->decimals );
 	}
-	lw_status status = lwi_enclose_check( body, &def->body, set->spheres.data, (uint32_t)set->spheres.count, diag, &set->report );
+	lw_status status =
+		lwi_enclose_check( body, &def->body, set->spheres.data, (uint32_t)set->spheres.count, diag, &set->report );
 	if ( status == LW_OK && !set->report.encloses )
 	{
 		status = lwi_fail( diag, LW_ERROR_UNSUPPORTED, LW_INVALID_INDEX,
@@ -341,8 +342,8 @@ static lw_status fill( lw_spheres* out, lwi_body* body, const lw_spheres_def* de
 	return status == LW_ERROR_OUT_OF_MEMORY ? lwi_out_of_memory( diag, "enclosing spheres" ) : status;
 }
 
-lw_status lw_spheres_create(
-	const lw_spheres_def* def, const lw_allocator* allocator, lw_diag* diag, lw_spheres** out_spheres )
+lw_status lw_spheres_create( const lw_spheres_def* def, const lw_allocator* allocator, lw_diag* diag,
+	lw_spheres** out_spheres )
 {
 	if ( out_spheres == NULL )
 	{
@@ -419,22 +420,21 @@ lw_spheres_report lw_spheres_get_report( const lw_spheres* spheres )
 }
 
 lw_status lw_spheres_check( const lw_geometry_def* body_def, const double* spheres, uint32_t count,
-	const lw_allocator* allocator,
-	lw_diag* diag, lw_spheres_report* out )
+	const lw_allocator* allocator, lw_diag* diag, lw_spheres_report* out )
 {
 	if ( body_def == NULL || out == NULL || ( spheres == NULL && count > 0 ) )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "body, spheres or out is NULL" );
 	}
-	*out = (lw_spheres_report){ .uncovered = INFINITY, .excess = INFINITY };
+	*out = ( lw_spheres_report ){ .uncovered = INFINITY, .excess = INFINITY };
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		const double* s = spheres + 4 * (size_t)i;
 		if ( !lwi_coordinates_valid( s ) || !( s[3] >= 0 && s[3] <= LWI_MAX_COORDINATE ) )
 		{
 			return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, i,
-				"sphere %u is (%g, %g, %g), radius %g; give finite metres, a radius of 0 or more",
-				i, s[0], s[1], s[2], s[3] );
+				"sphere %u is (%g, %g, %g), radius %g; give finite metres, a radius of 0 or more", i, s[0], s[1], s[2],
+				s[3] );
 		}
 	}
 	lw_allocator memory = lwi_allocator_or_default( allocator );

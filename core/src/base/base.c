@@ -30,7 +30,7 @@ lw_allocator lwi_allocator_or_default( const lw_allocator* allocator )
 	{
 		return *allocator;
 	}
-	return (lw_allocator){ default_alloc, default_free, NULL };
+	return ( lw_allocator ){ default_alloc, default_free, NULL };
 }
 
 void* lwi_alloc( const lw_allocator* allocator, size_t size )
@@ -88,24 +88,24 @@ const char* lw_status_name( lw_status status )
 {
 	switch ( status )
 	{
-		case LW_OK:
-			return "LW_OK";
-		case LW_ERROR_INVALID_ARGUMENT:
-			return "LW_ERROR_INVALID_ARGUMENT";
-		case LW_ERROR_INVALID_DEF:
-			return "LW_ERROR_INVALID_DEF";
-		case LW_ERROR_OUT_OF_MEMORY:
-			return "LW_ERROR_OUT_OF_MEMORY";
-		case LW_ERROR_BAD_GEOMETRY:
-			return "LW_ERROR_BAD_GEOMETRY";
-		case LW_ERROR_UNSUPPORTED:
-			return "LW_ERROR_UNSUPPORTED";
-		case LW_ERROR_CANCELLED:
-			return "LW_ERROR_CANCELLED";
-		case LW_ERROR_DAMAGED:
-			return "LW_ERROR_DAMAGED";
-		case LW_ERROR_STALE:
-			return "LW_ERROR_STALE";
+	case LW_OK:
+		return "LW_OK";
+	case LW_ERROR_INVALID_ARGUMENT:
+		return "LW_ERROR_INVALID_ARGUMENT";
+	case LW_ERROR_INVALID_DEF:
+		return "LW_ERROR_INVALID_DEF";
+	case LW_ERROR_OUT_OF_MEMORY:
+		return "LW_ERROR_OUT_OF_MEMORY";
+	case LW_ERROR_BAD_GEOMETRY:
+		return "LW_ERROR_BAD_GEOMETRY";
+	case LW_ERROR_UNSUPPORTED:
+		return "LW_ERROR_UNSUPPORTED";
+	case LW_ERROR_CANCELLED:
+		return "LW_ERROR_CANCELLED";
+	case LW_ERROR_DAMAGED:
+		return "LW_ERROR_DAMAGED";
+	case LW_ERROR_STALE:
+		return "LW_ERROR_STALE";
 	}
 	return "unknown status";
 }

@@ -4,7 +4,7 @@
 
 lw_transform lw_transform_identity( void )
 {
-	return (lw_transform){ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, { 0, 0, 0 } };
+	return ( lw_transform ){ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, { 0, 0, 0 } };
 }
 
 static bool finite3( const double v[3] )
@@ -27,9 +27,9 @@ lw_status lw_transform_from_quaternion( const double position[3], const double x
 	}
 	double x = xyzw[0] / largest, y = xyzw[1] / largest, z = xyzw[2] / largest, w = xyzw[3] / largest;
 	double s = 2 / ( x * x + y * y + z * z + w * w );
-	*out = (lw_transform){ { { 1 - s * ( y * y + z * z ), s * ( x * y - z * w ), s * ( x * z + y * w ) },
-							   { s * ( x * y + z * w ), 1 - s * ( x * x + z * z ), s * ( y * z - x * w ) },
-							   { s * ( x * z - y * w ), s * ( y * z + x * w ), 1 - s * ( x * x + y * y ) } },
+	*out = ( lw_transform ){ { { 1 - s * ( y * y + z * z ), s * ( x * y - z * w ), s * ( x * z + y * w ) },
+								 { s * ( x * y + z * w ), 1 - s * ( x * x + z * z ), s * ( y * z - x * w ) },
+								 { s * ( x * z - y * w ), s * ( y * z + x * w ), 1 - s * ( x * x + y * y ) } },
 		{ position[0], position[1], position[2] } };
 	return LW_OK;
 }
@@ -44,9 +44,8 @@ lw_status lw_transform_from_rpy( const double position[3], const double rpy[3], 
 	double cr = cos( rpy[0] ), sr = sin( rpy[0] );
 	double cp = cos( rpy[1] ), sp = sin( rpy[1] );
 	double cy = cos( rpy[2] ), sy = sin( rpy[2] );
-	*out = (lw_transform){ { { cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr },
-							   { sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr },
-							   { -sp, cp * sr, cp * cr } },
+	*out = ( lw_transform ){ { { cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr },
+								 { sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr }, { -sp, cp * sr, cp * cr } },
 		{ position[0], position[1], position[2] } };
 	return LW_OK;
 }

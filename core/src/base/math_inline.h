@@ -27,26 +27,56 @@ static inline lw_vec3 lwi_load( const double p[3] )
 	lw_vec3 v = { p[0], p[1], p[2] };
 	return v;
 }
-static inline lw_vec3 lwi_add( lw_vec3 a, lw_vec3 b ) { return lwi_v3( a.x + b.x, a.y + b.y, a.z + b.z ); }
-static inline lw_vec3 lwi_sub( lw_vec3 a, lw_vec3 b ) { return lwi_v3( a.x - b.x, a.y - b.y, a.z - b.z ); }
-static inline lw_vec3 lwi_scale( double s, lw_vec3 a ) { return lwi_v3( s * a.x, s * a.y, s * a.z ); }
+static inline lw_vec3 lwi_add( lw_vec3 a, lw_vec3 b )
+{
+	return lwi_v3( a.x + b.x, a.y + b.y, a.z + b.z );
+}
+static inline lw_vec3 lwi_sub( lw_vec3 a, lw_vec3 b )
+{
+	return lwi_v3( a.x - b.x, a.y - b.y, a.z - b.z );
+}
+static inline lw_vec3 lwi_scale( double s, lw_vec3 a )
+{
+	return lwi_v3( s * a.x, s * a.y, s * a.z );
+}
 /// a + s * b
 static inline lw_vec3 lwi_add_scaled( lw_vec3 a, double s, lw_vec3 b )
 {
 	return lwi_v3( a.x + s * b.x, a.y + s * b.y, a.z + s * b.z );
 }
-static inline double lwi_dot( lw_vec3 a, lw_vec3 b ) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline double lwi_dot( lw_vec3 a, lw_vec3 b )
+{
+	return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 static inline lw_vec3 lwi_cross( lw_vec3 a, lw_vec3 b )
 {
 	return lwi_v3( a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x );
 }
-static inline double lwi_length_sq( lw_vec3 a ) { return lwi_dot( a, a ); }
-static inline double lwi_length( lw_vec3 a ) { return sqrt( lwi_dot( a, a ) ); }
-static inline double lwi_distance( lw_vec3 a, lw_vec3 b ) { return lwi_length( lwi_sub( a, b ) ); }
-static inline double lwi_clamp( double v, double lo, double hi ) { return v < lo ? lo : v > hi ? hi : v; }
+static inline double lwi_length_sq( lw_vec3 a )
+{
+	return lwi_dot( a, a );
+}
+static inline double lwi_length( lw_vec3 a )
+{
+	return sqrt( lwi_dot( a, a ) );
+}
+static inline double lwi_distance( lw_vec3 a, lw_vec3 b )
+{
+	return lwi_length( lwi_sub( a, b ) );
+}
+static inline double lwi_clamp( double v, double lo, double hi )
+{
+	return v < lo ? lo : v > hi ? hi : v;
+}
 /// fmin() and fmax() of numbers, without a call into libm. Of a NaN and a number the first comes.
-static inline double lwi_smaller( double a, double b ) { return a > b ? b : a; }
-static inline double lwi_larger( double a, double b ) { return a < b ? b : a; }
+static inline double lwi_smaller( double a, double b )
+{
+	return a > b ? b : a;
+}
+static inline double lwi_larger( double a, double b )
+{
+	return a < b ? b : a;
+}
 
 static inline lw_vec3 lwi_rotate( const lw_transform* m, lw_vec3 v )
 {

@@ -31,9 +31,10 @@ static inline lwi_sincos lwi_sincos_reduced( double angle )
 	double high = angle - quarters * first, low = quarters * second; // the difference is exact
 	double x = high - low, rest = ( high - x ) - low;                // x + rest, |x| <= pi / 4 and a roundoff of `shifted`
 	double z = x * x, v = z * x;
-	double p = 8.33333333332248946124e-03 +
-			   z * ( -1.98412698298579493134e-04 +
-					   z * ( 2.75573137070700676789e-06 + z * ( -2.50507602534068634195e-08 + z * 1.58969099521155010221e-10 ) ) );
+	double p =
+		8.33333333332248946124e-03 +
+		z * ( -1.98412698298579493134e-04 +
+				z * ( 2.75573137070700676789e-06 + z * ( -2.50507602534068634195e-08 + z * 1.58969099521155010221e-10 ) ) );
 	double sine = x - ( ( z * ( 0.5 * rest - v * p ) - rest ) + v * 1.66666666666666324348e-01 );
 	double r = z * ( 4.16666666666666019037e-02 +
 					   z * ( -1.38888888888741095749e-03 +

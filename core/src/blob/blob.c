@@ -47,7 +47,7 @@ static void store_number( unsigned char* p, uint64_t value, int size )
 
 static lw_digest load_digest( const unsigned char* p )
 {
-	return (lw_digest){ { load_number( p, 8 ), load_number( p + 8, 8 ) } };
+	return ( lw_digest ){ { load_number( p, 8 ), load_number( p + 8, 8 ) } };
 }
 
 static void store_digest( unsigned char* p, lw_digest digest )
@@ -59,7 +59,7 @@ static void store_digest( unsigned char* p, lw_digest digest )
 /// Of everything but itself.
 static lw_digest checksum( const unsigned char* bytes, size_t size )
 {
-	lw_digest before = lw_digest_bytes( (lw_digest){ { 0, 0 } }, bytes, LWI_BLOB_CHECKSUM );
+	lw_digest before = lw_digest_bytes( ( lw_digest ){ { 0, 0 } }, bytes, LWI_BLOB_CHECKSUM );
 	return lw_digest_bytes( before, bytes + LWI_BLOB_VERSION, size - LWI_BLOB_VERSION );
 }
 
@@ -72,7 +72,7 @@ void lwi_blob_seal( unsigned char* bytes, size_t size )
 
 lw_blob_def lw_blob_def_default( void )
 {
-	return (lw_blob_def){ .cookie = BLOB_COOKIE };
+	return ( lw_blob_def ){ .cookie = BLOB_COOKIE };
 }
 
 static size_t aligned( size_t size )
@@ -91,7 +91,8 @@ static lw_status check_def( const lw_blob_def* def, void** out_bytes, size_t* ou
 	*out_size = 0;
 	if ( def == NULL || def->cookie != BLOB_COOKIE )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_DEF, LW_INVALID_INDEX, "the blob def was not made by lw_blob_def_default()" );
+		return lwi_fail( diag, LW_ERROR_INVALID_DEF, LW_INVALID_INDEX,
+			"the blob def was not made by lw_blob_def_default()" );
 	}
 	for ( uint32_t i = 0; i < def->shape_count; ++i )
 	{
@@ -279,10 +280,12 @@ static lw_status open_envelope( const void* bytes, size_t size, lw_diag* diag, e
 		return status;
 	}
 	const unsigned char* b = bytes;
-	*out = (envelope){ b, size, load_digest( b + LWI_BLOB_KEY ), (uint32_t)load_number( b + LWI_BLOB_SECTION_COUNT, 4 ), 0 };
+	*out =
+		( envelope ){ b, size, load_digest( b + LWI_BLOB_KEY ), (uint32_t)load_number( b + LWI_BLOB_SECTION_COUNT, 4 ), 0 };
 	if ( !table_holds( out ) )
 	{
-		return lwi_fail( diag, LW_ERROR_DAMAGED, LW_INVALID_INDEX, "blob: its table of sections makes no sense" LWI_BLOB_REMEDY );
+		return lwi_fail( diag, LW_ERROR_DAMAGED, LW_INVALID_INDEX,
+			"blob: its table of sections makes no sense" LWI_BLOB_REMEDY );
 	}
 	return LW_OK;
 }
@@ -311,7 +314,7 @@ static lwi_reader next_section( const envelope* e, uint32_t section, size_t* at 
 	const unsigned char* entry = e->bytes + LWI_BLOB_TABLE + (size_t)section * LWI_BLOB_TABLE_ENTRY;
 	size_t size = (size_t)load_number( entry + 8, 8 ), begin = *at;
 	*at += aligned( size );
-	return (lwi_reader){ e->bytes + begin, size, 0, false };
+	return ( lwi_reader ){ e->bytes + begin, size, 0, false };
 }
 
 lw_status lw_blob_get_info( const void* bytes, size_t size, lw_diag* diag, lw_blob_info* out )
@@ -320,12 +323,12 @@ lw_status lw_blob_get_info( const void* bytes, size_t size, lw_diag* diag, lw_bl
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "out is NULL" );
 	}
-	*out = (lw_blob_info){ 0 };
+	*out = ( lw_blob_info ){ 0 };
 	envelope e;
 	lw_status status = open_envelope( bytes, size, diag, &e );
 	if ( status == LW_OK )
 	{
-		*out = (lw_blob_info){ VERSION, e.key, e.shape_count, e.section_count > e.shape_count };
+		*out = ( lw_blob_info ){ VERSION, e.key, e.shape_count, e.section_count > e.shape_count };
 	}
 	return status;
 }
@@ -347,7 +350,8 @@ lw_status lw_blob_read_shapes( const void* bytes, size_t size, lw_digest key, co
 	if ( status == LW_OK && e.shape_count != shape_count )
 	{
 		status = lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
-			"the blob holds %u shapes, room was given for %u; lw_blob_get_info() tells the count", e.shape_count, shape_count );
+			"the blob holds %u shapes, room was given for %u; lw_blob_get_info() tells the count", e.shape_count,
+			shape_count );
 	}
 	lw_allocator memory = lwi_allocator_or_default( allocator );
 	size_t at = status == LW_OK ? first_section( &e ) : 0;

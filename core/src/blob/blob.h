@@ -47,9 +47,18 @@ static inline void lwi_write( lwi_writer* w, const void* from, size_t size )
 	}
 	w->at += size;
 }
-static inline void lwi_write_u32( lwi_writer* w, uint32_t value ) { lwi_write( w, &value, sizeof( value ) ); }
-static inline void lwi_write_u64( lwi_writer* w, uint64_t value ) { lwi_write( w, &value, sizeof( value ) ); }
-static inline void lwi_write_double( lwi_writer* w, double value ) { lwi_write( w, &value, sizeof( value ) ); }
+static inline void lwi_write_u32( lwi_writer* w, uint32_t value )
+{
+	lwi_write( w, &value, sizeof( value ) );
+}
+static inline void lwi_write_u64( lwi_writer* w, uint64_t value )
+{
+	lwi_write( w, &value, sizeof( value ) );
+}
+static inline void lwi_write_double( lwi_writer* w, double value )
+{
+	lwi_write( w, &value, sizeof( value ) );
+}
 
 /// Reads behind each other. Past the end it gives zeros and stays `failed`, so that one test after many reads is enough.
 typedef struct lwi_reader
@@ -59,7 +68,10 @@ typedef struct lwi_reader
 	bool failed;
 } lwi_reader;
 
-static inline size_t lwi_reader_left( const lwi_reader* r ) { return r->size - r->at; }
+static inline size_t lwi_reader_left( const lwi_reader* r )
+{
+	return r->size - r->at;
+}
 static inline void lwi_read( lwi_reader* r, void* to, size_t size )
 {
 	r->failed = r->failed || size > lwi_reader_left( r );

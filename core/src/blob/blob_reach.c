@@ -263,8 +263,8 @@ static const char* read_effort( lwi_reader* r, const lw_reach* reach, lwi_effort
 	effort->target = lwi_read_double( r );
 	effort->least = lwi_read_double( r );
 	bool counts = effort->flags < LWI_EFFORT_FLAGS && effort->contacts <= reach->sample_count &&
-				  effort->visits <= reach->sample_count && effort->grid_rounds <= 8u && effort->grid_slabs <= 1u << LWI_GRID_BITS &&
-				  height <= LWI_CELL_DEPTH + 1u;
+				  effort->visits <= reach->sample_count && effort->grid_rounds <= 8u &&
+				  effort->grid_slabs <= 1u << LWI_GRID_BITS && height <= LWI_CELL_DEPTH + 1u;
 	bool amounts = effort->expected >= 0.0 && effort->fraction >= 0.0 && effort->fraction < 1.0 && effort->target >= 0.0 &&
 				   effort->least >= 0.0 && ( height == 0 || ( effort->fraction > 0.0 && isfinite( effort->target ) ) );
 	effort->height = height;
@@ -511,11 +511,10 @@ static lw_status read_reach( lwi_reader* r, lw_reach* reach, lw_diag* diag )
 	reach->points = points > 0 ? lwi_alloc( &reach->allocator, points ) : NULL;
 	reach->evidence = evidence > 0 ? lwi_alloc( &reach->allocator, evidence ) : NULL;
 	reach->efforts = lwi_alloc_zero( &reach->allocator, reach->evidence_count, sizeof( lwi_effort ) );
-	reach->grids = reach->grid_capacity > 0
-						? lwi_alloc_zero( &reach->allocator, reach->grid_capacity, sizeof( lwi_grid ) )
-						: NULL;
-	bool out_of_memory = reach->efforts == NULL || ( points > 0 && reach->points == NULL ) || ( evidence > 0 && reach->evidence == NULL ) ||
-						 ( reach->grid_capacity > 0 && reach->grids == NULL );
+	reach->grids =
+		reach->grid_capacity > 0 ? lwi_alloc_zero( &reach->allocator, reach->grid_capacity, sizeof( lwi_grid ) ) : NULL;
+	bool out_of_memory = reach->efforts == NULL || ( points > 0 && reach->points == NULL ) ||
+						 ( evidence > 0 && reach->evidence == NULL ) || ( reach->grid_capacity > 0 && reach->grids == NULL );
 	if ( out_of_memory )
 	{
 		return lwi_out_of_memory( diag, "a reach from a blob" );

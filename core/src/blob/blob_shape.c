@@ -14,7 +14,8 @@
 _Static_assert( sizeof( lwi_node ) == LWI_WIDTH * ( 4 * sizeof( float ) + sizeof( lwi_ref ) ), "nodes have no padding" );
 _Static_assert( sizeof( lwi_leaf ) == LWI_WIDTH * ( 9 * sizeof( float ) + sizeof( uint32_t ) ), "leaves have no padding" );
 
-_Static_assert( sizeof( lwi_box_leaf ) == LWI_WIDTH * ( 6 * sizeof( float ) + sizeof( uint32_t ) ), "leaves have no padding" );
+_Static_assert( sizeof( lwi_box_leaf ) == LWI_WIDTH * ( 6 * sizeof( float ) + sizeof( uint32_t ) ),
+	"leaves have no padding" );
 
 static bool has_stored_tree( lw_shape_type type )
 {
@@ -29,10 +30,10 @@ typedef struct array_sizes
 
 static array_sizes sizes_of( const lw_shape* shape )
 {
-	size_t leaf = shape->family == LWI_BALLS ? sizeof( lwi_ball_leaf )
-		: shape->family == LWI_BOXES ? sizeof( lwi_box_leaf )
-									 : sizeof( lwi_leaf );
-	return (array_sizes){ 3 * (size_t)shape->vertex_count * sizeof( double ),
+	size_t leaf = shape->family == LWI_BALLS   ? sizeof( lwi_ball_leaf )
+				  : shape->family == LWI_BOXES ? sizeof( lwi_box_leaf )
+											   : sizeof( lwi_leaf );
+	return ( array_sizes ){ 3 * (size_t)shape->vertex_count * sizeof( double ),
 		shape->type == LW_SHAPE_MESH ? 3 * (size_t)shape->item_count * sizeof( uint32_t ) : 0,
 		shape->type == LW_SHAPE_SPHERES ? shape->item_count * sizeof( double ) : 0, shape->node_count * sizeof( lwi_node ),
 		shape->leaf_count * leaf };
@@ -40,9 +41,9 @@ static array_sizes sizes_of( const lw_shape* shape )
 
 static const void* leaves_of( const lw_shape* shape )
 {
-	return shape->family == LWI_BALLS ? (const void*)shape->ball_leaves
-		: shape->family == LWI_BOXES  ? (const void*)shape->box_leaves
-									  : (const void*)shape->leaves;
+	return shape->family == LWI_BALLS   ? (const void*)shape->ball_leaves
+		   : shape->family == LWI_BOXES ? (const void*)shape->box_leaves
+										: (const void*)shape->leaves;
 }
 
 void lwi_blob_write_shape( lwi_writer* w, const lw_shape* shape )
@@ -98,15 +99,16 @@ static const char* check_counts( const lw_shape* shape, size_t left )
 		return "impossible counts of nodes or leaves";
 	}
 	array_sizes sizes = sizes_of( shape );
-	return sizes.vertices + sizes.indices + sizes.radii + sizes.nodes + sizes.leaves != left ? "arrays longer or shorter than their counts"
-																				: NULL;
+	return sizes.vertices + sizes.indices + sizes.radii + sizes.nodes + sizes.leaves != left
+			   ? "arrays longer or shorter than their counts"
+			   : NULL;
 }
 
 static const char* check_numbers( const lw_shape* shape )
 {
 	// a mesh is thick if it approximates another one, and is no solid then
-	bool has_radius = shape->type == LW_SHAPE_POINTS || ( shape->type == LW_SHAPE_MESH && shape->original_count > 0 &&
-		!shape->closed );
+	bool has_radius =
+		shape->type == LW_SHAPE_POINTS || ( shape->type == LW_SHAPE_MESH && shape->original_count > 0 && !shape->closed );
 	bool radius_valid = shape->radius >= 0.0 && shape->radius <= ( has_radius ? LWI_MAX_COORDINATE : 0.0 );
 	if ( !radius_valid || !( shape->dimensions[0] == shape->radius ) || !( shape->dimensions[1] == 0.0 ) ||
 		 !( shape->dimensions[2] == 0.0 ) )
@@ -244,8 +246,9 @@ static lw_status read_tree( lwi_reader* r, lw_shape* shape, uint32_t index, lw_d
 	{
 		return lwi_out_of_memory( diag, "a shape from a blob" );
 	}
-	return status == LW_OK ? LW_OK
-						   : lwi_fail( diag, LW_ERROR_DAMAGED, index, "blob: shape %u: %s" LWI_BLOB_REMEDY, index, inner.message );
+	return status == LW_OK
+			   ? LW_OK
+			   : lwi_fail( diag, LW_ERROR_DAMAGED, index, "blob: shape %u: %s" LWI_BLOB_REMEDY, index, inner.message );
 }
 
 static lw_status read_primitive( lw_shape_type type, const double dimensions[3], uint32_t index, const lw_allocator* memory,

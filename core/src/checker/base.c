@@ -194,7 +194,7 @@ static lw_status fill_bodies( lwi_checker_base* b, const lw_checker_def* checker
 		lw_body_def def = lw_robot_body( b->robot, body );
 		const bool moves = d->link_moves[def.link];
 		const lw_shape* shape = moves ? lwi_shape_made( def.shape, &status, diag ) : lwi_shape_now( def.shape );
-		b->bodies[body] = (lwi_checker_body){ .shape = shape, .link = def.link, .link_from_shape = def.link_from_shape };
+		b->bodies[body] = ( lwi_checker_body ){ .shape = shape, .link = def.link, .link_from_shape = def.link_from_shape };
 		if ( moves )
 		{
 			b->moving_bodies[b->moving_body_count++] = body;
@@ -232,7 +232,7 @@ static uint32_t list_self_pairs( const lwi_checker_base* b, const draft* d, cons
 			{
 				if ( pairs != NULL )
 				{
-					pairs[count] = (lwi_self_pair){ first, second };
+					pairs[count] = ( lwi_self_pair ){ first, second };
 				}
 				++count;
 			}

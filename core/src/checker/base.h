@@ -103,7 +103,8 @@ static inline uint32_t lwi_body_pair_id( const lwi_checker_base* base, uint32_t 
 }
 
 /// A pair of clusters as a candidate: the pair of bodies where each has one, since their R are the bodies' spheres.
-static inline uint32_t lwi_cluster_pair_candidate( const lwi_checker_base* base, const lwi_cluster_tree* tree, uint32_t index )
+static inline uint32_t lwi_cluster_pair_candidate( const lwi_checker_base* base, const lwi_cluster_tree* tree,
+	uint32_t index )
 {
 	const lwi_cluster_pair* pair = &tree->self.pairs[index];
 	const lwi_cluster *a = &tree->clusters[pair->cluster_a], *b = &tree->clusters[pair->cluster_b];

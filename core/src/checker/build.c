@@ -41,7 +41,8 @@ static lw_status check_def( const lw_checker_def* def, lw_diag* diag )
 {
 	if ( def == NULL || def->cookie != CHECKER_COOKIE )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_DEF, LW_INVALID_INDEX, "checker def was not made by lw_checker_def_default()" );
+		return lwi_fail( diag, LW_ERROR_INVALID_DEF, LW_INVALID_INDEX,
+			"checker def was not made by lw_checker_def_default()" );
 	}
 	if ( def->robot == NULL )
 	{
@@ -49,20 +50,21 @@ static lw_status check_def( const lw_checker_def* def, lw_diag* diag )
 	}
 	if ( !( def->max_d > 0 ) )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "checker def: max_d is %g; give metres > 0, or INFINITY",
-			def->max_d );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"checker def: max_d is %g; give metres > 0, or INFINITY", def->max_d );
 	}
 	if ( def->allowed_count > 0 && def->allowed == NULL )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "checker def: allowed is NULL, its count is not 0" );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"checker def: allowed is NULL, its count is not 0" );
 	}
 	uint32_t variables = lw_robot_variable_count( def->robot );
 	for ( uint32_t i = 0; def->variables != NULL && i < def->variable_count; ++i )
 	{
 		if ( def->variables[i] >= variables )
 		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "group variable %u is %u, but the robot has %u variables", i,
-				def->variables[i], variables );
+			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "group variable %u is %u, but the robot has %u variables",
+				i, def->variables[i], variables );
 		}
 	}
 	for ( uint32_t i = 0; def->reference != NULL && i < variables; ++i )
@@ -180,7 +182,8 @@ static void count_masks( lw_checker* c )
 }
 
 /// Measures the static bodies against the shapes whose bit is set, NULL for all.
-static lw_status measure_static( lw_checker* c, const lw_checker_def* def, const uint8_t* fresh, double known, lw_diag* diag )
+static lw_status measure_static( lw_checker* c, const lw_checker_def* def, const uint8_t* fresh, double known,
+	lw_diag* diag )
 {
 	lwi_prefetch prefetch = { .prepare = def->prepare, .user = def->prepare_user };
 	lw_query_def query_def = lw_query_def_default();
@@ -206,8 +209,8 @@ static lw_status measure_static( lw_checker* c, const lw_checker_def* def, const
 			status = lwi_checker_measure_static( c, query, fresh, known, &prefetch );
 			if ( status != LW_OK )
 			{
-				lwi_fail( diag, status, LW_INVALID_INDEX, "a deferred mesh next to the links that do not move cannot be made: %s",
-					lw_status_name( status ) );
+				lwi_fail( diag, status, LW_INVALID_INDEX,
+					"a deferred mesh next to the links that do not move cannot be made: %s", lw_status_name( status ) );
 			}
 		}
 		else

@@ -7,14 +7,14 @@ const char* lw_verdict_name( lw_verdict verdict )
 {
 	switch ( verdict )
 	{
-		case LW_VERDICT_FREE:
-			return "FREE";
-		case LW_VERDICT_BLOCKED:
-			return "BLOCKED";
-		case LW_VERDICT_UNDECIDED:
-			return "UNDECIDED";
-		case LW_VERDICT_UNKNOWN:
-			break;
+	case LW_VERDICT_FREE:
+		return "FREE";
+	case LW_VERDICT_BLOCKED:
+		return "BLOCKED";
+	case LW_VERDICT_UNDECIDED:
+		return "UNDECIDED";
+	case LW_VERDICT_UNKNOWN:
+		break;
 	}
 	return "UNKNOWN";
 }
@@ -38,14 +38,14 @@ lwi_query_sizes lwi_checker_query_sizes( const lw_checker* checker, uint32_t spa
 	return sizes;
 }
 
-lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const double* q, lw_check_flags flags, const lw_range* range,
-	bool stop_at_first, lw_state_result* out )
+lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const double* q, lw_check_flags flags,
+	const lw_range* range, bool stop_at_first, lw_state_result* out )
 {
 	if ( out == NULL )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
-	*out = (lw_state_result){ LW_VERDICT_UNKNOWN, lw_clearance_unknown(), lw_clearance_unknown() };
+	*out = ( lw_state_result ){ LW_VERDICT_UNKNOWN, lw_clearance_unknown(), lw_clearance_unknown() };
 	lw_range wanted = range != NULL ? *range : lw_range_exact();
 	if ( checker == NULL || query == NULL || ( q == NULL && checker->base->group.variable_count > 0 ) ||
 		 !lwi_range_is_valid( &wanted ) || ( flags & LW_CHECK_BOTH ) == 0 || !lwi_query_fits( query, checker ) )
@@ -72,7 +72,7 @@ lw_status lw_checker_state( const lw_checker* checker, lw_query* query, const do
 	}
 	if ( query->search.failure != LW_OK )
 	{
-		*out = (lw_state_result){ LW_VERDICT_UNKNOWN, lw_clearance_unknown(), lw_clearance_unknown() };
+		*out = ( lw_state_result ){ LW_VERDICT_UNKNOWN, lw_clearance_unknown(), lw_clearance_unknown() };
 		return query->search.failure;
 	}
 	bool free = ( !ask_environment || is_proved_free( &out->environment, wanted.min_d ) ) &&
@@ -95,8 +95,8 @@ static lw_state_reason reason_of( const lw_state_result* state )
 	return reason;
 }
 
-lw_status lw_checker_is_free( const lw_checker* checker, lw_query* query, const double* q, lw_check_flags flags, double min_d,
-	bool* out_free, lw_state_reason* out_reason )
+lw_status lw_checker_is_free( const lw_checker* checker, lw_query* query, const double* q, lw_check_flags flags,
+	double min_d, bool* out_free, lw_state_reason* out_reason )
 {
 	lw_state_result state = { LW_VERDICT_UNKNOWN, lw_clearance_unknown(), lw_clearance_unknown() };
 	lw_status status = LW_ERROR_INVALID_ARGUMENT;

@@ -25,9 +25,9 @@ typedef struct lwi_environment_pairs
 /// Obstacles that the group can come near to: checker/culling.c. The rest is skipped where that changes no answer.
 typedef struct lwi_culling
 {
-	double horizon; ///< metres: least distance of moving bodies to obstacles outside of near_mask
-	bool is_complete;                            ///< the static bodies are nearer than the horizon: so is every state
-	uint8_t* near_mask;                          ///< as the mask of all pairs, a part of it; rows of moving bodies
+	double horizon;     ///< metres: least distance of moving bodies to obstacles outside of near_mask
+	bool is_complete;   ///< the static bodies are nearer than the horizon: so is every state
+	uint8_t* near_mask; ///< as the mask of all pairs, a part of it; rows of moving bodies
 	uint32_t near_shape_count, near_block_count; ///< shapes in near_mask; blocks up to the last one of them
 	double* obstacle_distance; ///< [shape_count] proved distance to all moving bodies, less margins; +INFINITY: unchecked
 	double* cluster_distance;  ///< [shape_count][cluster_count] proved distance to a cluster's bodies; NaN: none is checked

@@ -177,7 +177,8 @@ static void fill_joint_frames( lwi_cluster_tree* t, const lwi_checker_base* base
 			bool direct = root_link == cluster->parent_link; // the usual case: not a digit is lost
 			lw_transform root_link_from_link =
 				lwi_relative( &base->group.reference_poses[root_link], &base->group.reference_poses[cluster->parent_link] );
-			cluster->parent_from_joint = direct ? joint->parent_from_joint : lwi_multiply( &root_link_from_link, &joint->parent_from_joint );
+			cluster->parent_from_joint =
+				direct ? joint->parent_from_joint : lwi_multiply( &root_link_from_link, &joint->parent_from_joint );
 			cluster->translates = direct && joint->pure_translation;
 		}
 	}
@@ -190,7 +191,7 @@ static void fill_angles( lwi_cluster_tree* t, const lw_robot* robot )
 		const lwi_joint* joint = &robot->joints[robot->link_joint[t->clusters[i].root_link]];
 		if ( lwi_joint_only_rotates( joint ) )
 		{
-			t->angles[i] = (lwi_cluster_angle){ joint->multiplier, joint->offset, joint->variable, true };
+			t->angles[i] = ( lwi_cluster_angle ){ joint->multiplier, joint->offset, joint->variable, true };
 		}
 	}
 }
@@ -256,7 +257,7 @@ static lw_sphere sphere_of_body( const lwi_checker_base* base, const lwi_cluster
 {
 	const lw_shape* shape = base->bodies[t->bodies[place]].shape;
 	lw_vec3 center = lwi_transform( &t->body_poses[place], lwi_load( shape->sphere_center ) );
-	return (lw_sphere){ { center.x, center.y, center.z }, shape->sphere_radius };
+	return ( lw_sphere ){ { center.x, center.y, center.z }, shape->sphere_radius };
 }
 
 /// Minimal sphere around the points of all bodies. The centre is free to choose; the radius is measured from it.
@@ -291,7 +292,7 @@ static lw_sphere sphere_of_bodies( const lwi_checker_base* base, const lwi_clust
 			radius = fmax( radius, distance + lwi_hull_radius( shape, k ) );
 		}
 	}
-	return (lw_sphere){ { ball.center.x, ball.center.y, ball.center.z }, radius };
+	return ( lw_sphere ){ { ball.center.x, ball.center.y, ball.center.z }, radius };
 }
 
 /// A point of the convex hull of a body: the mean of its points, or of the corners of its box if it is a convex primitive.
@@ -359,7 +360,7 @@ static lw_sphere motion_sphere( const lwi_checker_base* base, const lwi_cluster_
 		lw_transform root_link_from_link =
 			lwi_relative( &base->group.reference_poses[root_link], &base->group.reference_poses[cluster->parent_link] );
 		lw_vec3 center = lwi_transform( &root_link_from_link, lwi_load( m.center ) );
-		m = (lw_sphere){ { center.x, center.y, center.z }, m.radius };
+		m = ( lw_sphere ){ { center.x, center.y, center.z }, m.radius };
 	}
 	return m;
 }
@@ -416,8 +417,8 @@ static lw_status build_spheres( lwi_cluster_tree* t, const lwi_checker_base* bas
 	return LW_OK;
 }
 
-lw_status lwi_cluster_tree_create(
-	const lwi_checker_base* base, const bool* joint_moves, lw_diag* diag, lwi_cluster_tree** out_tree )
+lw_status lwi_cluster_tree_create( const lwi_checker_base* base, const bool* joint_moves, lw_diag* diag,
+	lwi_cluster_tree** out_tree )
 {
 	*out_tree = NULL;
 	lwi_cluster_tree* t = lwi_alloc_zero( &base->allocator, 1, sizeof( lwi_cluster_tree ) );
@@ -475,7 +476,7 @@ lw_status lwi_cluster_tree_motion( const lwi_checker_base* base, const bool* fix
 			shapes[k] = base->bodies[t->bodies[k]].shape;
 		}
 		const lw_sphere point = { { 0, 0, 0 }, 0 };
-		rigid_groups[i] = (lwi_rigid_group){ .link = cluster->root_link,
+		rigid_groups[i] = ( lwi_rigid_group ){ .link = cluster->root_link,
 			.sphere = cluster->body_count > 0 ? cluster->r : point,
 			.count = cluster->body_count,
 			.shapes = shapes + cluster->first_body,

@@ -58,11 +58,13 @@ typedef struct lwi_cluster_pair
 /// One test of the self query. If it rules its pairs out the next step is `skip`, else the one behind it.
 typedef struct lwi_self_step
 {
-	float separation;            ///< least proved separation of all pairs that the step stands for; +inf is never stored
-	float margin;                ///< largest margin of these, rounded up
-	uint32_t sphere_a, sphere_b; ///< 2 * cluster for its R, 2 * cluster + 1 for its M; LW_INVALID_INDEX: only the table decides
+	float separation; ///< least proved separation of all pairs that the step stands for; +inf is never stored
+	float margin;     ///< largest margin of these, rounded up
+	uint32_t sphere_a,
+		sphere_b; ///< 2 * cluster for its R, 2 * cluster + 1 for its M; LW_INVALID_INDEX: only the table decides
 	uint32_t skip;
-	uint32_t pair; ///< index into cluster_pairs of a step that is a pair of clusters; LW_INVALID_INDEX of one above such steps
+	uint32_t
+		pair; ///< index into cluster_pairs of a step that is a pair of clusters; LW_INVALID_INDEX of one above such steps
 } lwi_self_step;
 
 /// The pairs of clusters to check against each other, and the tests of a self query. Made by checker/plan.c.
@@ -94,7 +96,7 @@ typedef struct lwi_cluster_tree
 	double* lower; ///< [group variables] where reach and tables hold; infinite without
 	double* upper;
 	uint32_t floating_count;
-	uint32_t* floating;      ///< [floating_count] first robot variable of each floating joint in the group
+	uint32_t* floating; ///< [floating_count] first robot variable of each floating joint in the group
 	uint32_t cluster_count;
 	lwi_cluster* clusters;         ///< [cluster_count] depth first, parents before children
 	lwi_cluster_angle* angles;     ///< [cluster_count] angles of the joints above the clusters
@@ -145,8 +147,8 @@ lw_status lwi_checker_plan_self( const struct lwi_checker_base* base, lwi_cluste
 
 /// The separation of two bodies as queries use it: that of the reach, if it holds here, else 0; less the rounding of poses
 /// in double, so that no skipped pair could have changed a digit of the answer, and less the margin. Rounded down.
-float lwi_checker_separation(
-	const struct lwi_checker_base* base, const lwi_cluster_tree* tree, uint32_t body_a, uint32_t body_b );
+float lwi_checker_separation( const struct lwi_checker_base* base, const lwi_cluster_tree* tree, uint32_t body_a,
+	uint32_t body_b );
 
 LW_EXTERN_C_END
 

@@ -31,7 +31,8 @@ static void mark_near( lw_checker* checker, const lwi_reuse* reuse, uint32_t ind
 	const lwi_cluster* cluster = &checker->base->tree->clusters[index];
 	const uint32_t blocks = checker->environment.block_count, clusters = checker->base->tree->cluster_count;
 	const lw_checker* old = reuse->previous;
-	bool same_envelope = old != NULL && index < old->base->tree->cluster_count &&
+	bool same_envelope =
+		old != NULL && index < old->base->tree->cluster_count &&
 		memcmp( &checker->base->envelopes[index], &old->base->envelopes[index], sizeof( lwi_envelope ) ) == 0;
 	for ( uint32_t block = 0; block < blocks; ++block )
 	{
@@ -55,7 +56,8 @@ static void mark_near( lw_checker* checker, const lwi_reuse* reuse, uint32_t ind
 			if ( isnan( distance ) )
 			{
 				const lw_scene_shape_def* obstacle = &checker->scene->shapes[shape];
-				distance = lwi_envelope_distance( obstacle->shape, &obstacle->world_from_shape, &checker->base->envelopes[index] );
+				distance =
+					lwi_envelope_distance( obstacle->shape, &obstacle->world_from_shape, &checker->base->envelopes[index] );
 			}
 			checker->culling.cluster_distance[(size_t)shape * clusters + index] = distance;
 			double clearance = less_margin( checker, index, shape, distance );

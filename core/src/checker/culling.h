@@ -11,7 +11,7 @@ LW_EXTERN_C_BEGIN
 typedef struct lwi_reuse
 {
 	const lw_checker* previous; ///< NULL = none
-	uint32_t* source; ///< [shape_count] the same shape at the same pose in the previous scene, or LW_INVALID_INDEX
+	uint32_t* source;           ///< [shape_count] the same shape at the same pose in the previous scene, or LW_INVALID_INDEX
 } lwi_reuse;
 
 /// Fills checker->culling. For a checker with its base, its masks and its nearest static pair.

@@ -53,7 +53,7 @@ typedef struct carried
 {
 	lw_allocator allocator;
 	uint32_t old_links, old_objects, links, objects; ///< counts
-	uint32_t *link, *object; ///< [old_links], [old_objects]
+	uint32_t *link, *object;                         ///< [old_links], [old_objects]
 	uint32_t allowed_room, environment_room, self_room;
 	lw_link_object_pair* allowed;
 	double *link_environment, *link_self, *object_margin;
@@ -78,8 +78,9 @@ static bool carried_create( carried* k, const lw_checker* c, const lw_checker_de
 	k->object_margin = lwi_alloc_zero( &k->allocator, k->objects, sizeof( double ) );
 	k->environment_pairs = lwi_alloc_zero( &k->allocator, k->environment_room, sizeof( lw_pair_margin ) );
 	k->self_pairs = lwi_alloc_zero( &k->allocator, k->self_room, sizeof( lw_pair_margin ) );
-	return allowed < UINT32_MAX && k->link != NULL && k->object != NULL && k->allowed != NULL && k->link_environment != NULL &&
-		   k->link_self != NULL && k->object_margin != NULL && k->environment_pairs != NULL && k->self_pairs != NULL;
+	return allowed < UINT32_MAX && k->link != NULL && k->object != NULL && k->allowed != NULL &&
+		   k->link_environment != NULL && k->link_self != NULL && k->object_margin != NULL && k->environment_pairs != NULL &&
+		   k->self_pairs != NULL;
 }
 
 static void carried_destroy( carried* k )
@@ -147,7 +148,7 @@ static uint32_t carry_pairs( const lwi_listed_margins* listed, const uint32_t* w
 		const lw_pair_margin* pair = &listed->pairs[i];
 		if ( where_a[pair->a] != LW_INVALID_INDEX && where_b[pair->b] != LW_INVALID_INDEX )
 		{
-			out[count++] = (lw_pair_margin){ where_a[pair->a], where_b[pair->b], pair->margin };
+			out[count++] = ( lw_pair_margin ){ where_a[pair->a], where_b[pair->b], pair->margin };
 		}
 	}
 	return count;
@@ -175,8 +176,8 @@ static void carry_margins( carried* k, const lw_checker* c, lw_margins* out )
 	}
 }
 
-lw_status lw_checker_edit( const lw_checker* c, const lw_checker_edit_def* def, const lw_allocator* allocator_in, lw_diag* diag,
-	lw_checker** out_checker )
+lw_status lw_checker_edit( const lw_checker* c, const lw_checker_edit_def* def, const lw_allocator* allocator_in,
+	lw_diag* diag, lw_checker** out_checker )
 {
 	if ( out_checker == NULL )
 	{

@@ -27,8 +27,8 @@ typedef struct envelope
 {
 	lw_sphere spheres[LWI_ENVELOPE_SPHERES * MAX_STEPS];
 	uint32_t count;
-	lw_sphere bounding;    ///< about the origin of the last joint that moves; radius < 0 before there was one
-	double extent; ///< sum of all lengths on the way
+	lw_sphere bounding; ///< about the origin of the last joint that moves; radius < 0 before there was one
+	double extent;      ///< sum of all lengths on the way
 	bool unbounded;
 } envelope;
 
@@ -162,7 +162,7 @@ static void rotate( envelope* c, const lwi_joint* joint, double lower, double up
 			double angle = from + ( 2 * k + 1 ) * half;
 			lw_vec3 center = lwi_add_scaled( along, cos( half ) * cos( angle ), out );
 			center = lwi_add_scaled( center, cos( half ) * sin( angle ), across );
-			c->spheres[c->count++] = (lw_sphere){ { center.x, center.y, center.z }, old[i].radius + d * sin( half ) };
+			c->spheres[c->count++] = ( lw_sphere ){ { center.x, center.y, center.z }, old[i].radius + d * sin( half ) };
 		}
 	}
 	merge( c );
@@ -181,7 +181,7 @@ static void translate( envelope* c, const lwi_joint* joint, double lower, double
 		{
 			lw_vec3 center =
 				lwi_add_scaled( lwi_load( old[i].center ), lower + ( 2 * k + 1 ) * half, lwi_load( joint->axis ) );
-			c->spheres[c->count++] = (lw_sphere){ { center.x, center.y, center.z }, old[i].radius + half };
+			c->spheres[c->count++] = ( lw_sphere ){ { center.x, center.y, center.z }, old[i].radius + half };
 		}
 	}
 	merge( c );
@@ -208,7 +208,7 @@ static void roam( envelope* c, const lw_robot* robot, const lwi_joint* joint )
 	{
 		reach = fmax( reach, lwi_length( lwi_load( c->spheres[i].center ) ) + c->spheres[i].radius );
 	}
-	c->spheres[0] = (lw_sphere){ { center[0], center[1], center[2] }, reach + sqrt( half_sq ) };
+	c->spheres[0] = ( lw_sphere ){ { center[0], center[1], center[2] }, reach + sqrt( half_sq ) };
 	c->count = 1;
 }
 
@@ -245,21 +245,21 @@ static void sweep( envelope* c, const lw_robot* robot, const lwi_joint* joint )
 	}
 	switch ( joint->type )
 	{
-		case LW_JOINT_REVOLUTE:
-		case LW_JOINT_CONTINUOUS:
-			value_range( robot, joint, &lower, &upper );
-			rotate( c, joint, lower, upper );
-			break;
-		case LW_JOINT_PRISMATIC:
-			value_range( robot, joint, &lower, &upper );
-			translate( c, joint, lower, upper );
-			break;
-		case LW_JOINT_PLANAR:
-		case LW_JOINT_FLOATING:
-			roam( c, robot, joint );
-			break;
-		case LW_JOINT_FIXED:
-			break;
+	case LW_JOINT_REVOLUTE:
+	case LW_JOINT_CONTINUOUS:
+		value_range( robot, joint, &lower, &upper );
+		rotate( c, joint, lower, upper );
+		break;
+	case LW_JOINT_PRISMATIC:
+		value_range( robot, joint, &lower, &upper );
+		translate( c, joint, lower, upper );
+		break;
+	case LW_JOINT_PLANAR:
+	case LW_JOINT_FLOATING:
+		roam( c, robot, joint );
+		break;
+	case LW_JOINT_FIXED:
+		break;
 	}
 }
 
@@ -290,8 +290,8 @@ static bool is_finite( const envelope* c )
 	return true;
 }
 
-void lwi_envelope_of_cluster(
-	const lwi_checker_base* base, const lwi_cluster* cluster, const bool* joint_moves, lwi_envelope* out )
+void lwi_envelope_of_cluster( const lwi_checker_base* base, const lwi_cluster* cluster, const bool* joint_moves,
+	lwi_envelope* out )
 {
 	const lw_robot* robot = base->robot;
 	envelope work;

@@ -16,7 +16,8 @@ enum
 	MOST_FAILURES = 5 ///< of a sphere M in a row: then it is tested in every 31st state
 };
 
-static void search_environment_pair( const lw_checker* checker, lw_query* query, uint32_t body, uint32_t shape, lwi_bound* bound )
+static void search_environment_pair( const lw_checker* checker, lw_query* query, uint32_t body, uint32_t shape,
+	lwi_bound* bound )
 {
 	const lw_scene_shape_def* obstacle = &checker->scene->shapes[shape];
 	lwi_pose_body( checker, query, body );
@@ -54,8 +55,8 @@ static bool any_below( const float* gaps, uint32_t count, double limit )
 /// Gaps of a sphere (world) to the chosen obstacles, less margins. Returns their slack; *near: some gap is below
 /// `cutoff` plus the slack.
 /// @param margins of each obstacle, or NULL
-static double gaps_of( const lw_checker* checker, lw_query* query, const double center[3], double radius, const float* margins,
-	double cutoff, float* gaps, bool* near )
+static double gaps_of( const lw_checker* checker, lw_query* query, const double center[3], double radius,
+	const float* margins, double cutoff, float* gaps, bool* near )
 {
 	uint32_t blocks = block_count( checker, query );
 	double slack = lwi_scene_gaps( checker->scene, blocks, query->search.kernels, center, radius, cutoff, gaps, near );
@@ -77,8 +78,8 @@ static double row_of_gaps( const lw_checker* checker, lw_query* query, uint32_t 
 	uint32_t cluster = tree->body_cluster[body];
 	lwi_pose_cluster( checker, query, cluster );
 	const lw_sphere* local = &tree->body_spheres[tree->body_place[body]];
-	lw_vec3 world = lwi_transform( &query->pose.world_from_link[tree->clusters[cluster].root_link],
-		lwi_load( local->center ) );
+	lw_vec3 world =
+		lwi_transform( &query->pose.world_from_link[tree->clusters[cluster].root_link], lwi_load( local->center ) );
 	const double center[3] = { world.x, world.y, world.z };
 	double radius = local->radius + ( m != NULL ? m->bodies[body] : 0 );
 	return gaps_of( checker, query, center, radius, m != NULL ? m->body_row[body] : NULL, cutoff, gaps, near );
@@ -95,7 +96,7 @@ static const uint8_t* masks_of( const lw_checker* checker, const lw_query* query
 static uint32_t near_lanes( const lw_query* query, const uint8_t* masks, const float* gaps, uint32_t block, float limit )
 {
 	const float zero = 0;
-	const float( *low )[LWI_WIDTH] = (const float( * )[LWI_WIDTH])( gaps + block * LWI_WIDTH );
+	const float( *low )[LWI_WIDTH] = ( const float( * )[LWI_WIDTH] )( gaps + block * LWI_WIDTH );
 	return masks[block] == 0 ? 0 : masks[block] & query->search.kernels->slab_gap( low, &zero, limit, 1 );
 }
 
@@ -177,7 +178,8 @@ static bool meets_scene( const lw_checker* checker, lw_query* query, uint32_t sp
 }
 
 /// The pairs of a body whose gap in a row is below the limit become candidates.
-static void add_near( const lw_checker* checker, lw_query* query, uint32_t body, const float* gaps, float limit, uint32_t* count )
+static void add_near( const lw_checker* checker, lw_query* query, uint32_t body, const float* gaps, float limit,
+	uint32_t* count )
 {
 	const uint8_t* masks = masks_of( checker, query, body );
 	const uint32_t first = body * checker->scene->block_count * LWI_WIDTH;
@@ -187,7 +189,7 @@ static void add_near( const lw_checker* checker, lw_query* query, uint32_t body,
 		{
 			uint32_t i = block * LWI_WIDTH + lwi_lowest_bit( left );
 			float gap = gaps[i] == gaps[i] ? gaps[i] : -INFINITY; // overflowed: searched first
-			lwi_heap_push( query->scratch.candidates, count, (lwi_candidate){ gap, first + i } );
+			lwi_heap_push( query->scratch.candidates, count, ( lwi_candidate ){ gap, first + i } );
 		}
 	}
 }
@@ -214,7 +216,7 @@ static double add_row( const lw_checker* checker, lw_query* query, uint32_t plac
 	nearest = mask_row( checker, query, body, gaps );
 	if ( gaps[nearest] < lwi_round_up( bound->cutoff + slack ) )
 	{
-		lwi_heap_push( query->scratch.candidates, count, (lwi_candidate){ gaps[nearest], ROW + place } );
+		lwi_heap_push( query->scratch.candidates, count, ( lwi_candidate ){ gaps[nearest], ROW + place } );
 	}
 	return slack;
 }
@@ -246,7 +248,8 @@ static double descend( const lw_checker* checker, lw_query* query, const lwi_bou
 	for ( uint32_t i = 1; i < tree->cluster_count; )
 	{
 		const lwi_cluster* cluster = &tree->clusters[i];
-		bool one_body = cluster->end == i + 1 && cluster->body_count == 1; // testing its M first would cost as much as testing it
+		bool one_body =
+			cluster->end == i + 1 && cluster->body_count == 1; // testing its M first would cost as much as testing it
 		bool asks = ( checker->environment.clusters[i] & LWI_SUBTREE_CHECKED ) != 0;
 		if ( !asks || ( query->pose.hulls && !one_body && motion_is_far( checker, query, i, bound ) ) )
 		{
@@ -284,7 +287,7 @@ static void open_row( const lw_checker* checker, lw_query* query, lwi_candidate 
 	{
 		if ( i != nearest && gaps[i] < limit )
 		{
-			lwi_heap_push( query->scratch.candidates, count, (lwi_candidate){ gaps[i], body * stride + i } );
+			lwi_heap_push( query->scratch.candidates, count, ( lwi_candidate ){ gaps[i], body * stride + i } );
 		}
 	}
 }
@@ -356,12 +359,12 @@ static void measure_cached_pair( const lw_checker* checker, lw_query* query, lwi
 			 1 ) != 0 )
 	{
 		lwi_pose_body( checker, query, body );
-		lw_transform relative = lwi_relative( &query->pose.world_from_body[body],
-			&checker->scene->shapes[shape].world_from_shape );
+		lw_transform relative =
+			lwi_relative( &query->pose.world_from_body[body], &checker->scene->shapes[shape].world_from_shape );
 		bound->current_pair = cached->pair;
 		bound->margin = lwi_environment_margin( checker, body, checker->scene->shapes[shape].object );
-		lwi_measure_cached_pair(
-			query, checker->base->bodies[body].shape, checker->scene->shapes[shape].shape, &relative, cached, bound );
+		lwi_measure_cached_pair( query, checker->base->bodies[body].shape, checker->scene->shapes[shape].shape, &relative,
+			cached, bound );
 	}
 }
 
@@ -392,7 +395,7 @@ void lwi_checker_environment( const lw_checker* checker, lw_query* query, const 
 	environment_result( checker, query, &bound, out );
 	if ( out->upper < INFINITY && bound.pair != STATIC_PAIR )
 	{
-		*cached = (lwi_cached_pair){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
+		*cached = ( lwi_cached_pair ){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
 	}
 }
 
@@ -414,7 +417,7 @@ uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query,
 		for ( uint32_t left = near_lanes( query, masks, query->scratch.gaps, block, rounded ); left != 0; left &= left - 1 )
 		{
 			uint32_t i = block * LWI_WIDTH + lwi_lowest_bit( left );
-			query->scratch.candidates[count++] = (lwi_candidate){ query->scratch.gaps[i], i };
+			query->scratch.candidates[count++] = ( lwi_candidate ){ query->scratch.gaps[i], i };
 		}
 	}
 	return count;
@@ -441,7 +444,7 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 	environment_result( checker, query, &bound, out );
 	if ( out->upper < INFINITY )
 	{
-		*cached = (lwi_cached_pair){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
+		*cached = ( lwi_cached_pair ){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
 	}
 }
 
@@ -467,13 +470,13 @@ static void search_static( const lw_checker* checker, lw_query* query, const uin
 		bits &= fresh != NULL ? fresh[shape / LWI_WIDTH] : 0xffu;
 		if ( ( bits >> ( shape % LWI_WIDTH ) & 1 ) != 0 )
 		{
-			lw_transform relative = lwi_relative( &query->pose.world_from_body[body],
-				&scene->shapes[shape].world_from_shape );
+			lw_transform relative =
+				lwi_relative( &query->pose.world_from_body[body], &scene->shapes[shape].world_from_shape );
 			double gap = lwi_box_gap( checker->base->bodies[body].shape, scene->shapes[shape].shape, &relative ) -
 						 lwi_environment_margin( checker, body, scene->shapes[shape].object );
 			if ( gap < bound->cutoff )
 			{
-				query->scratch.candidates[count++] = (lwi_candidate){ lwi_round_down( gap ), body * stride + shape };
+				query->scratch.candidates[count++] = ( lwi_candidate ){ lwi_round_down( gap ), body * stride + shape };
 			}
 		}
 	}
@@ -492,7 +495,8 @@ static void search_static( const lw_checker* checker, lw_query* query, const uin
 	}
 }
 
-lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known, lwi_prefetch* prefetch )
+lw_status lwi_checker_measure_static( lw_checker* checker, lw_query* query, const uint8_t* fresh, double known,
+	lwi_prefetch* prefetch )
 {
 	const lwi_cluster_tree* tree = checker->base->tree;
 	uint32_t stride = checker->environment.block_count * LWI_WIDTH;

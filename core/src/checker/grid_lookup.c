@@ -62,8 +62,8 @@ static cell_range range_of( bool periodic, uint32_t bits, double begin, double e
 	return r;
 }
 
-double lwi_grid_along( const lwi_grid_slice* slice, const lwi_grid_spacing* spacings, const lw_robot* robot, const double* qa,
-	const double* qb, double at_least )
+double lwi_grid_along( const lwi_grid_slice* slice, const lwi_grid_spacing* spacings, const lw_robot* robot,
+	const double* qa, const double* qb, double at_least )
 {
 	double from[LWI_GRID_AXES], way[LWI_GRID_AXES], longest = 1;
 	for ( uint32_t i = 0; i < slice->dimension; ++i )
@@ -108,7 +108,7 @@ double lwi_grid_along( const lwi_grid_slice* slice, const lwi_grid_spacing* spac
 /// The slice of a grid for a group. @return false if the group moves none of its variables
 static bool make_slice( const lwi_checker_base* base, const bool* in_group, const lwi_grid* grid, lwi_grid_slice* out )
 {
-	*out = (lwi_grid_slice){ .cells = grid->cells };
+	*out = ( lwi_grid_slice ){ .cells = grid->cells };
 	uint32_t shift = 0;
 	for ( uint32_t i = grid->dimension; i-- > 0; shift += grid->axes[i].bits )
 	{
@@ -191,7 +191,8 @@ static void enter_slices( const lwi_checker_base* base, lwi_cluster_tree* t, con
 		for ( size_t k = 0; k < (size_t)a->body_count * b->body_count; ++k )
 		{
 			lwi_grid_slice slice;
-			uint32_t body_a = t->bodies[a->first_body + k / b->body_count], body_b = t->bodies[b->first_body + k % b->body_count];
+			uint32_t body_a = t->bodies[a->first_body + k / b->body_count],
+					 body_b = t->bodies[b->first_body + k % b->body_count];
 			bool found =
 				t->self.separations[pair->first + k] < INFINITY && find_slice( base, t, in_group, body_a, body_b, &slice );
 			if ( t->grids.slices != NULL )
@@ -216,7 +217,7 @@ static void fill_spacings( const lwi_checker_base* base, lwi_cluster_tree* t )
 		{
 			const lwi_grid_axis* axis = &base->reach->grids[i].axes[k];
 			t->grids.spacings[axis->variable] =
-				(lwi_grid_spacing){ axis->lower, 1 / ( axis->upper - axis->lower ), axis->periodic };
+				( lwi_grid_spacing ){ axis->lower, 1 / ( axis->upper - axis->lower ), axis->periodic };
 		}
 	}
 }

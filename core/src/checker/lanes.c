@@ -19,12 +19,14 @@ static lwi_batch_joint batch_joint( const lwi_joint* joint, const lw_transform* 
 	for ( int i = 0; i < 3; ++i )
 	{
 		out.offset[i] = parent_from_joint->t[i];
-		out.along[i] = parent_from_joint->r[i][0] * a[0] + parent_from_joint->r[i][1] * a[1] + parent_from_joint->r[i][2] * a[2];
+		out.along[i] =
+			parent_from_joint->r[i][0] * a[0] + parent_from_joint->r[i][1] * a[1] + parent_from_joint->r[i][2] * a[2];
 		for ( int j = 0; j < 3; ++j )
 		{
 			out.still[3 * i + j] = out.along[i] * a[j];
 			out.cosine[3 * i + j] = parent_from_joint->r[i][j] - out.still[3 * i + j];
-			out.sine[3 * i + j] = parent_from_joint->r[i][0] * cross[0][j] + parent_from_joint->r[i][1] * cross[1][j] + parent_from_joint->r[i][2] * cross[2][j];
+			out.sine[3 * i + j] = parent_from_joint->r[i][0] * cross[0][j] + parent_from_joint->r[i][1] * cross[1][j] +
+								  parent_from_joint->r[i][2] * cross[2][j];
 		}
 	}
 	return out;
@@ -50,14 +52,16 @@ static void broadcast( double value, double out[LWI_WIDTH] )
 }
 
 /// Lane l of the frame behind a joint of several variables.
-static void pose_several( const lw_checker* checker, uint32_t cluster, const lwi_batch_frame* above, int l, const double* state,
-	const double* speeds, lwi_batch_frame* out )
+static void pose_several( const lw_checker* checker, uint32_t cluster, const lwi_batch_frame* above, int l,
+	const double* state, const double* speeds, lwi_batch_frame* out )
 {
 	const lwi_cluster* n = &checker->base->tree->clusters[cluster];
 	const lwi_joint* joint = &checker->base->robot->joints[checker->base->robot->link_joint[n->root_link]];
 	const bool planar = joint->type == LW_JOINT_PLANAR;
 	const double* v = speeds + joint->variable;
-	const lw_vec3 shift = planar ? lwi_add_scaled( lwi_scale( v[0], lwi_load( joint->plane[0] ) ), v[1], lwi_load( joint->plane[1] ) ) : lwi_load( v );
+	const lw_vec3 shift =
+		planar ? lwi_add_scaled( lwi_scale( v[0], lwi_load( joint->plane[0] ) ), v[1], lwi_load( joint->plane[1] ) )
+			   : lwi_load( v );
 	const lw_vec3 turn = planar ? lwi_scale( v[2], lwi_load( joint->axis ) ) : lwi_load( v + 3 );
 	lw_transform frame, pose;
 	for ( int i = 0; i < 9; ++i )
@@ -68,7 +72,8 @@ static void pose_several( const lw_checker* checker, uint32_t cluster, const lwi
 	// a zero quaternion was ruled out when the motion was measured
 	lwi_joint_pose( joint, &frame, &n->parent_from_joint, n->translates, state, &pose );
 	const lw_vec3 w = lwi_rotate( &frame, lwi_rotate( &n->parent_from_joint, turn ) );
-	const lw_vec3 speed = lwi_add( lwi_rotate( &frame, lwi_rotate( &n->parent_from_joint, shift ) ), lwi_cross( lwi_load( pose.t ), w ) );
+	const lw_vec3 speed =
+		lwi_add( lwi_rotate( &frame, lwi_rotate( &n->parent_from_joint, shift ) ), lwi_cross( lwi_load( pose.t ), w ) );
 	const double angular[3] = { w.x, w.y, w.z }, linear[3] = { speed.x, speed.y, speed.z };
 	for ( int i = 0; i < 9; ++i )
 	{
@@ -116,7 +121,8 @@ static void pose_lanes( const lw_checker* checker, lw_query* query, const double
 		{
 			for ( int l = 0; l < LWI_WIDTH; ++l )
 			{
-				pose_several( checker, i, above, l, states + (uint32_t)l * variables, speeds + (uint32_t)l * variables, &frames[i] );
+				pose_several( checker, i, above, l, states + (uint32_t)l * variables, speeds + (uint32_t)l * variables,
+					&frames[i] );
 			}
 		}
 		else if ( speeds != NULL )
@@ -144,7 +150,8 @@ void lwi_pose_moving_lanes( const lw_checker* checker, lw_query* query, const do
 		const lwi_batch_joint* joint = &tree->batch_joints[i];
 		for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
 		{
-			query->scratch.lane_values[i * LWI_WIDTH + l] = joint->multiplier * states[l * variables + joint->variable] + joint->variable_offset;
+			query->scratch.lane_values[i * LWI_WIDTH + l] =
+				joint->multiplier * states[l * variables + joint->variable] + joint->variable_offset;
 		}
 	}
 	pose_lanes( checker, query, states, speeds );

@@ -20,9 +20,9 @@ static bool is_margin( double value )
 
 static lw_status check_general( double value, const char* what, lw_diag* diag )
 {
-	return is_margin( value ) ? LW_OK
-							  : lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "margins: %s is %g; " REMEDY, what,
-									value );
+	return is_margin( value )
+			   ? LW_OK
+			   : lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "margins: %s is %g; " REMEDY, what, value );
 }
 
 static lw_status check_links( const double* values, const char* what, const lw_robot* robot, lw_diag* diag )
@@ -86,7 +86,8 @@ static lw_status check_pairs( const lw_pair_margin* pairs, uint32_t count, const
 		const char* a = lw_robot_link_name( n->robot, pairs[i].a );
 		if ( n->self && pairs[i].a == pairs[i].b )
 		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "margins: %s %u is link '%.80s' with itself", n->what, i, a );
+			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "margins: %s %u is link '%.80s' with itself", n->what, i,
+				a );
 		}
 		if ( !is_margin( pairs[i].margin ) )
 		{
@@ -116,7 +117,7 @@ static lw_status copy_pairs( lwi_listed_margins* to, const lw_pair_margin* from,
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		bool swap = n->self && from[i].a > from[i].b;
-		to->pairs[i] = swap ? (lw_pair_margin){ from[i].b, from[i].a, from[i].margin } : from[i];
+		to->pairs[i] = swap ? ( lw_pair_margin ){ from[i].b, from[i].a, from[i].margin } : from[i];
 	}
 	if ( count > 1 )
 	{
@@ -225,8 +226,8 @@ static lw_status fill_self( lwi_self_margins* m, const lw_margins* def, const na
 	return status;
 }
 
-lw_status lwi_self_margins_create( const lw_margins* def, const lw_robot* robot, const lw_allocator* allocator, lw_diag* diag,
-	lwi_self_margins** out_margins )
+lw_status lwi_self_margins_create( const lw_margins* def, const lw_robot* robot, const lw_allocator* allocator,
+	lw_diag* diag, lwi_self_margins** out_margins )
 {
 	const naming n = { "self pair", robot, NULL, true };
 	*out_margins = NULL;

@@ -43,20 +43,21 @@ typedef struct lwi_margins
 	lwi_listed_margins listed;
 	double largest; ///< of all pairs, or more
 	// for queries
-	double* bodies;     ///< [body_count] all + link
-	double* clusters; ///< [2 * cluster_count] largest of a cluster's bodies, then of its subtree's, but for the objects' parts
-	float* objects;     ///< [row_size] of each scene shape its object's part, rounded up; NULL if all are 0
+	double* bodies; ///< [body_count] all + link
+	double*
+		clusters;   ///< [2 * cluster_count] largest of a cluster's bodies, then of its subtree's, but for the objects' parts
+	float* objects; ///< [row_size] of each scene shape its object's part, rounded up; NULL if all are 0
 	const float** body_row; ///< [body_count] addends of a body's margin by shape: `objects`, a row of `rows`, or NULL
-	float* rows;        ///< rows of bodies in listed pairs, rounded up
+	float* rows;            ///< rows of bodies in listed pairs, rounded up
 	size_t row_bytes;
 } lwi_margins;
 
 /// Copies the margins of self pairs. *out_margins is NULL if all of them are 0.
 /// @return LW_ERROR_INVALID_ARGUMENT (diag names the entry), LW_ERROR_OUT_OF_MEMORY
-lw_status lwi_self_margins_create( const lw_margins* def, const lw_robot* robot, const lw_allocator* allocator, lw_diag* diag,
-	lwi_self_margins** out_margins );
-void lwi_self_margins_destroy( lwi_self_margins* margins );                              ///< NULL is ignored
-bool lwi_self_margins_equal( const lwi_self_margins* x, const lwi_self_margins* y );     ///< either may be NULL
+lw_status lwi_self_margins_create( const lw_margins* def, const lw_robot* robot, const lw_allocator* allocator,
+	lw_diag* diag, lwi_self_margins** out_margins );
+void lwi_self_margins_destroy( lwi_self_margins* margins );                          ///< NULL is ignored
+bool lwi_self_margins_equal( const lwi_self_margins* x, const lwi_self_margins* y ); ///< either may be NULL
 
 /// The margins of a checker with its base, scene and masks. *out_margins is NULL if all of them are 0.
 /// @return as above

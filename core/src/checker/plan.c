@@ -26,7 +26,7 @@ typedef struct share
 typedef struct plan
 {
 	lwi_cluster_tree* tree;
-	share* direct;    ///< [clusters * clusters] R_a, R_b
+	share* direct;   ///< [clusters * clusters] R_a, R_b
 	share* rigid;    ///< [clusters * clusters] R_a, subtree of b
 	share* motion;   ///< [clusters * clusters] subtrees of a and b; only used where neither contains the other
 	share* scfree;   ///< [clusters] inside the subtree
@@ -38,7 +38,7 @@ static const share nothing = { INFINITY, 0, 0 };
 
 static share joined( share a, share b )
 {
-	return (share){ a.separation < b.separation ? a.separation : b.separation, a.margin > b.margin ? a.margin : b.margin,
+	return ( share ){ a.separation < b.separation ? a.separation : b.separation, a.margin > b.margin ? a.margin : b.margin,
 		a.count + b.count };
 }
 
@@ -156,8 +156,7 @@ static uint32_t open( plan* p, share stands_for, uint32_t sphere_a, uint32_t sph
 	{
 		return LW_INVALID_INDEX;
 	}
-	return emit( p,
-		(lwi_self_step){ stands_for.separation, stands_for.margin, sphere_a, sphere_b, 0, LW_INVALID_INDEX } );
+	return emit( p, ( lwi_self_step ){ stands_for.separation, stands_for.margin, sphere_a, sphere_b, 0, LW_INVALID_INDEX } );
 }
 
 static void close( plan* p, uint32_t step )
@@ -174,8 +173,8 @@ static void plan_pair( plan* p, uint32_t a, uint32_t b )
 	if ( direct.count > 0 )
 	{
 		uint32_t low = least( a, b ), high = a < b ? b : a;
-		close( p, emit( p, (lwi_self_step){
-							   direct.separation, direct.margin, 2 * low, 2 * high, 0, p->pairs[entry( p, low, high )] } ) );
+		close( p, emit( p, ( lwi_self_step ){ direct.separation, direct.margin, 2 * low, 2 * high, 0,
+							   p->pairs[entry( p, low, high )] } ) );
 	}
 }
 
@@ -259,7 +258,7 @@ static void fill_pairs( const plan* p, const lwi_checker_base* base )
 			{
 				share direct = p->direct[entry( p, a, b )];
 				t->self.pairs[index] =
-					(lwi_cluster_pair){ a, b, common_ancestor( t, a, b ), direct.separation, direct.margin, used };
+					( lwi_cluster_pair ){ a, b, common_ancestor( t, a, b ), direct.separation, direct.margin, used };
 				used += (size_t)t->clusters[a].body_count * t->clusters[b].body_count;
 			}
 		}

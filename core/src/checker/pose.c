@@ -16,8 +16,8 @@ static void pose_body( const lw_checker* checker, lw_query* query, uint32_t body
 	const uint32_t cluster = tree->body_cluster[body];
 	lw_transform* pose = &query->pose.world_from_body[body];
 	*pose = cluster == 0 ? lwi_multiply( &query->pose.world_from_link[b->link], &b->link_from_shape )
-	                  : lwi_multiply( &query->pose.world_from_link[tree->clusters[cluster].root_link],
-	                  	&tree->body_poses[tree->body_place[body]] );
+						 : lwi_multiply( &query->pose.world_from_link[tree->clusters[cluster].root_link],
+							   &tree->body_poses[tree->body_place[body]] );
 	lw_vec3 center = lwi_transform( pose, lwi_load( b->shape->sphere_center ) );
 	query->pose.body_center[3 * (size_t)body] = center.x;
 	query->pose.body_center[3 * (size_t)body + 1] = center.y;
@@ -36,8 +36,8 @@ void lwi_sincos_joints( const lw_checker* checker, lw_query* query, const double
 	query->search.kernels->sincos( query->pose.angles, lwi_padded_clusters( tree ), cosines, sines );
 }
 
-void lwi_pose_under( const lw_checker* checker, uint32_t index, const lw_transform* above, const double* state, const double* cosines,
-	const double* sines, lw_transform* out )
+void lwi_pose_under( const lw_checker* checker, uint32_t index, const lw_transform* above, const double* state,
+	const double* cosines, const double* sines, lw_transform* out )
 {
 	const lwi_cluster* cluster = &checker->base->tree->clusters[index];
 	const lwi_joint* joint = &checker->base->robot->joints[checker->base->robot->link_joint[cluster->root_link]];
@@ -62,8 +62,7 @@ void lwi_pose_child( const lw_checker* checker, lw_query* query, uint32_t index 
 	}
 	// the only thing that can fail, a zero quaternion, was ruled out by lwi_checker_pose()
 	lwi_pose_under( checker, index, &query->pose.world_from_link[cluster->parent_root], query->pose.state,
-		query->pose.cosines, query->pose.sines,
-		&query->pose.world_from_link[cluster->root_link] );
+		query->pose.cosines, query->pose.sines, &query->pose.world_from_link[cluster->root_link] );
 	query->search.stats.links_posed++;
 	query->pose.cluster_stamp[index] = query->pose.state_stamp;
 }
@@ -151,9 +150,8 @@ static void pose_static( const lw_checker* checker, lw_query* query )
 		pose_body( checker, query, i ); // static ones stay there, the others are posed again by every state
 	}
 	// cluster 0 never moves: its data are stamped anew for every state
-	query->pose.rounding =
-		lwi_motion_state_rounding( checker->base->motion, query->pose.state, &query->pose.stretch,
-			&query->pose.sphere_rounding );
+	query->pose.rounding = lwi_motion_state_rounding( checker->base->motion, query->pose.state, &query->pose.stretch,
+		&query->pose.sphere_rounding );
 	query->pose.sphere_rounding *= 4 * LWI_POSE_ROUNDING;
 	query->pose.cluster_stamp[0] = query->pose.state_stamp;
 	lwi_pose_sphere( checker, query, 0 );
@@ -196,8 +194,8 @@ bool lwi_checker_covers( const lw_checker* checker, const lw_query* query, const
 {
 	// The ranges are a box, and every variable stays between its ends; those that go round the other way, and quaternions,
 	// have no limits.
-	return checker->base->tree->proves && query->search.def.pair_tables &&
-		   within_ranges( checker, qa ) && within_ranges( checker, qb );
+	return checker->base->tree->proves && query->search.def.pair_tables && within_ranges( checker, qa ) &&
+		   within_ranges( checker, qb );
 }
 
 /// Metres: a state with larger rounding of its poses is invalid. Shifts of 1e12 m, or angles of 1e13 radians times a mimic
@@ -208,9 +206,8 @@ static const double most_rounding = 1.0;
 static bool begin_state( const lw_checker* checker, lw_query* query, const double* q )
 {
 	const lwi_cluster_tree* tree = checker->base->tree;
-	query->pose.rounding =
-		lwi_motion_state_rounding( checker->base->motion, query->pose.state, &query->pose.stretch,
-			&query->pose.sphere_rounding );
+	query->pose.rounding = lwi_motion_state_rounding( checker->base->motion, query->pose.state, &query->pose.stretch,
+		&query->pose.sphere_rounding );
 	query->pose.sphere_rounding *= 4 * LWI_POSE_ROUNDING;
 	if ( !( query->pose.rounding <= most_rounding ) || !quaternions_are_valid( tree, query->pose.state ) )
 	{

@@ -20,8 +20,8 @@ LW_EXTERN_C_BEGIN
 void lwi_sincos_joints( const lw_checker* checker, lw_query* query, const double* state, double* cosines, double* sines );
 
 /// Pose of a cluster other than 0 at a state, given that of its parent, `above`. @param cosines, sines of that state
-void lwi_pose_under( const lw_checker* checker, uint32_t cluster, const lw_transform* above, const double* state, const double* cosines,
-	const double* sines, lw_transform* out );
+void lwi_pose_under( const lw_checker* checker, uint32_t cluster, const lw_transform* above, const double* state,
+	const double* cosines, const double* sines, lw_transform* out );
 
 /// True if lower <= q <= upper in each variable.
 static inline bool lwi_within_box( uint32_t count, const double* lower, const double* q, const double* upper )

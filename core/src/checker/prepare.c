@@ -32,7 +32,8 @@ static bool is_reached( const lw_checker* checker, uint32_t body, double largest
 	for ( uint32_t i = 1; i < checker->base->tree->cluster_count; ++i )
 	{
 		if ( is_checked( checker, &checker->base->tree->clusters[i], body ) &&
-			 lwi_envelope_distance( b->shape, &world_from_shape, &checker->base->envelopes[i] ) - largest_margin < checker->max_d )
+			 lwi_envelope_distance( b->shape, &world_from_shape, &checker->base->envelopes[i] ) - largest_margin <
+				 checker->max_d )
 		{
 			return true;
 		}

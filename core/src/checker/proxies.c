@@ -117,7 +117,7 @@ static uint32_t clusters_with_bodies( const lwi_cluster_tree* t )
 
 bool lwi_self_proxies_create( const lwi_checker_base* base, const lwi_cluster_tree* t, lwi_self_proxies* u )
 {
-	*u = (lwi_self_proxies){ 0 };
+	*u = ( lwi_self_proxies ){ 0 };
 	u->few = t->cluster_count <= LWI_FEW_PROXIES;
 	const bool of_bodies = u->few && t->body_count <= LWI_FEW_PROXIES;
 	const uint32_t count = of_bodies ? t->body_count : clusters_with_bodies( t );

@@ -10,7 +10,8 @@
 
 #include <string.h>
 
-typedef void pair_search( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
+typedef void pair_search( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	lwi_bound* bound );
 
 /// @param search lwi_search, or lwi_search_first where other pairs may be as near
 static void search_self_pair( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, lwi_bound* bound,
@@ -63,26 +64,27 @@ static float lower_bound( double gap, float separation )
 static lwi_candidate body_pair( const lw_checker* checker, uint32_t a, uint32_t b, float gap )
 {
 	uint32_t stride = checker->base->body_block_count * LWI_WIDTH;
-	return (lwi_candidate){ gap, a < b ? a * stride + b : b * stride + a };
+	return ( lwi_candidate ){ gap, a < b ? a * stride + b : b * stride + a };
 }
 
 /// The larger of the separation of a pair in all states and that of its grid in this one.
 /// @param margin that the separation is less by @param slice index into the tree's slices, or LW_INVALID_INDEX
-static float separation_now( const lw_checker* checker, const lw_query* query, float separation, double margin, uint32_t slice )
+static float separation_now( const lw_checker* checker, const lw_query* query, float separation, double margin,
+	uint32_t slice )
 {
 	if ( slice == LW_INVALID_INDEX || !query->pose.tables )
 	{
 		return separation;
 	}
-	float by_grid =
-		below( lwi_grid_at( &checker->base->tree->grids.slices[slice], checker->base->tree->grids.spacings,
-			query->pose.state ) - margin );
+	float by_grid = below(
+		lwi_grid_at( &checker->base->tree->grids.slices[slice], checker->base->tree->grids.spacings, query->pose.state ) -
+		margin );
 	return by_grid > separation ? by_grid : separation;
 }
 
 static lwi_candidate cluster_pair( const lw_checker* checker, uint32_t index, float key )
 {
-	return (lwi_candidate){ key, lwi_cluster_pair_candidate( checker->base, checker->base->tree, index ) };
+	return ( lwi_candidate ){ key, lwi_cluster_pair_candidate( checker->base, checker->base->tree, index ) };
 }
 
 /// Walks the steps: pairs that no test rules out become candidates.
@@ -204,7 +206,7 @@ static uint32_t compare_proxies( const lw_checker* checker, lw_query* query, con
 		if ( separation < bound->cutoff )
 		{
 			query->scratch.candidates[count++] =
-				(lwi_candidate){ lower_bound( gap == gap ? gap : -INFINITY, separation ), pair->candidate };
+				( lwi_candidate ){ lower_bound( gap == gap ? gap : -INFINITY, separation ), pair->candidate };
 		}
 	}
 	query->search.stats.robot_tests += proxies->pair_count;
@@ -241,8 +243,8 @@ static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t cl
 
 /// Lanes of a block of a cluster's bodies from number `first` on that are near a sphere. Where the sphere's numbers
 /// overflow, all are, but never those that pad the block.
-static uint32_t near_lanes( const lw_checker* checker, const lw_query* query, uint32_t cluster, uint32_t first, const probe* p,
-	float gap[LWI_WIDTH] )
+static uint32_t near_lanes( const lw_checker* checker, const lw_query* query, uint32_t cluster, uint32_t first,
+	const probe* p, float gap[LWI_WIDTH] )
 {
 	const uint32_t left = checker->base->tree->clusters[cluster].body_count - first;
 	return query->search.kernels->sphere_gap( p->blocks + 4 * (size_t)first, p->sphere, p->limit, gap ) &
@@ -251,8 +253,8 @@ static uint32_t near_lanes( const lw_checker* checker, const lw_query* query, ui
 
 /// Bodies number `rank_a` of cluster a and `rank_b` of cluster b become a candidate, unless their separation rules them out.
 /// @param gap of their spheres
-static void add_pair( const lw_checker* checker, lw_query* query, const lwi_cluster_pair* pair, uint32_t rank_a, uint32_t rank_b,
-	double gap, const lwi_bound* bound, uint32_t* count )
+static void add_pair( const lw_checker* checker, lw_query* query, const lwi_cluster_pair* pair, uint32_t rank_a,
+	uint32_t rank_b, double gap, const lwi_bound* bound, uint32_t* count )
 {
 	const lwi_cluster_tree* tree = checker->base->tree;
 	const lwi_cluster *a = &tree->clusters[pair->cluster_a], *b = &tree->clusters[pair->cluster_b];
@@ -284,8 +286,8 @@ static void open_body( const lw_checker* checker, lw_query* query, const lwi_clu
 	const lwi_cluster_tree* tree = checker->base->tree;
 	uint32_t mine = of_a ? pair->cluster_a : pair->cluster_b, other = of_a ? pair->cluster_b : pair->cluster_a;
 	const lw_sphere* local = &tree->body_spheres[tree->clusters[mine].first_body + rank];
-	lw_vec3 center = lwi_transform( &query->pose.world_from_link[tree->clusters[mine].root_link],
-		lwi_load( local->center ) );
+	lw_vec3 center =
+		lwi_transform( &query->pose.world_from_link[tree->clusters[mine].root_link], lwi_load( local->center ) );
 	double rounding = lwi_sphere( checker, query, 2 * mine )[3] - tree->clusters[mine].r.radius;
 	const double sphere[4] = { center.x, center.y, center.z, local->radius + rounding };
 	probe p = make_probe( checker, query, other, sphere, pair->margin, bound );
@@ -296,7 +298,8 @@ static void open_body( const lw_checker* checker, lw_query* query, const lwi_clu
 		for ( ; near != 0; near &= near - 1 )
 		{
 			uint32_t lane = lwi_lowest_bit( near );
-			add_pair( checker, query, pair, of_a ? rank : i + lane, of_a ? i + lane : rank, gap[lane] - p.slack, bound, count );
+			add_pair( checker, query, pair, of_a ? rank : i + lane, of_a ? i + lane : rank, gap[lane] - p.slack, bound,
+				count );
 		}
 	}
 }
@@ -319,8 +322,8 @@ static void open_pair( const lw_checker* checker, lw_query* query, const lwi_clu
 			uint32_t lane = lwi_lowest_bit( near );
 			if ( tree->clusters[few].body_count == 1 )
 			{
-				add_pair( checker, query, pair, a_first ? i + lane : 0, a_first ? 0 : i + lane, gap[lane] - outer.slack, bound,
-					count );
+				add_pair( checker, query, pair, a_first ? i + lane : 0, a_first ? 0 : i + lane, gap[lane] - outer.slack,
+					bound, count );
 			}
 			else
 			{
@@ -337,13 +340,13 @@ static double body_gap_below( const lw_checker* checker, lw_query* query, uint32
 	lwi_pose_body( checker, query, b );
 	const double *center_a = query->pose.body_center + 3 * (size_t)a, *center_b = query->pose.body_center + 3 * (size_t)b;
 	// poses of bodies are rounded as those of clusters are
-	double rounding = query->pose.sphere_rounding + LWI_POSE_ROUNDING * ( fabs( center_a[0] ) + fabs( center_a[1] ) +
-		fabs( center_a[2] ) +
+	double rounding = query->pose.sphere_rounding +
+					  LWI_POSE_ROUNDING * ( fabs( center_a[0] ) + fabs( center_a[1] ) + fabs( center_a[2] ) +
 											  fabs( center_b[0] ) + fabs( center_b[1] ) + fabs( center_b[2] ) );
-	const double sphere_a[4] = {
-		center_a[0], center_a[1], center_a[2], checker->base->bodies[a].shape->sphere_radius + rounding };
-	const double sphere_b[4] = {
-		center_b[0], center_b[1], center_b[2], checker->base->bodies[b].shape->sphere_radius + rounding };
+	const double sphere_a[4] = { center_a[0], center_a[1], center_a[2],
+		checker->base->bodies[a].shape->sphere_radius + rounding };
+	const double sphere_b[4] = { center_b[0], center_b[1], center_b[2],
+		checker->base->bodies[b].shape->sphere_radius + rounding };
 	return gap_below( sphere_a, sphere_b, lwi_self_margin( checker->base, a, b ), limit );
 }
 
@@ -377,7 +380,7 @@ static void measure_known( const lw_checker* checker, lw_query* query, lwi_bound
 	{
 		const uint32_t pair = query->cache.known_pairs[i];
 		gap[i] = pair_counts( checker, pair ) ? body_gap_below( checker, query, pair / stride, pair % stride, bound->cutoff )
-			: INFINITY;
+											  : INFINITY;
 	}
 	while ( count > 0 && !bound->done )
 	{
@@ -393,7 +396,8 @@ static void measure_known( const lw_checker* checker, lw_query* query, lwi_bound
 		gap[next] = INFINITY;
 		query->cache.known_looked |= 1u << next;
 		bound->current_pair = query->cache.known_pairs[next];
-		search_self_pair( checker, query, bound->current_pair / stride, bound->current_pair % stride, bound, lwi_search_first );
+		search_self_pair( checker, query, bound->current_pair / stride, bound->current_pair % stride, bound,
+			lwi_search_first );
 	}
 }
 
@@ -452,7 +456,8 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 		}
 		bound->current_pair = next.pair;
 		bool last = count == 0 && query->search.waiting_count == 0;
-		search_self_pair( checker, query, next.pair / stride, next.pair % stride, bound, last ? lwi_search : lwi_search_first );
+		search_self_pair( checker, query, next.pair / stride, next.pair % stride, bound,
+			last ? lwi_search : lwi_search_first );
 	}
 }
 
@@ -497,8 +502,8 @@ static void measure_cached_pair( const lw_checker* checker, lw_query* query, lwi
 		lw_transform relative = lwi_relative( &query->pose.world_from_body[a], &query->pose.world_from_body[b] );
 		bound->current_pair = cached->pair;
 		bound->margin = lwi_self_margin( checker->base, a, b );
-		lwi_measure_cached_pair(
-			query, checker->base->bodies[a].shape, checker->base->bodies[b].shape, &relative, cached, bound );
+		lwi_measure_cached_pair( query, checker->base->bodies[a].shape, checker->base->bodies[b].shape, &relative, cached,
+			bound );
 	}
 }
 
@@ -523,7 +528,7 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	self_result( checker, query, &bound, bound.pair / stride, bound.pair % stride, out );
 	if ( out->upper < INFINITY )
 	{
-		*cached = (lwi_cached_pair){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
+		*cached = ( lwi_cached_pair ){ bound.pair, bound.triangle_a, bound.triangle_b, bound.upper, true };
 		remember_pair( query, bound.pair );
 	}
 }
@@ -550,6 +555,6 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 	self_result( checker, query, &bound, a, b, out );
 	if ( out->upper < INFINITY )
 	{
-		*cached = (lwi_cached_pair){ id, bound.triangle_a, bound.triangle_b, bound.upper, true };
+		*cached = ( lwi_cached_pair ){ id, bound.triangle_a, bound.triangle_b, bound.upper, true };
 	}
 }

@@ -38,15 +38,15 @@ typedef struct lane_states
 	const lwi_kernels* kernels;
 	const lwi_cluster_tree* tree;
 	const lwi_batch_frame* frames; ///< [clusters]
-	double needed;      ///< metres: distance that proves a pair, without margins and the rounding of floats
-	double reach;       ///< metres: no point of the robot is farther from the world's origin
-	double scene_size;  ///< no coordinate of a body, or of an obstacle's box, from the scene's origin is larger
-	bool near_only;     ///< obstacles outside of near_mask are farther
-	bool covered;       ///< the reach's tables hold in all lanes
-	bool contact_only;  ///< nothing is proved free, and a lane in contact ends all
-	uint32_t all;       ///< lanes with states
-	uint32_t left;      ///< lanes not known to be blocked
-	uint32_t unsure[2]; ///< of these, lanes in which a pair with the scene, or of the robot itself, is not decided
+	double needed;                 ///< metres: distance that proves a pair, without margins and the rounding of floats
+	double reach;                  ///< metres: no point of the robot is farther from the world's origin
+	double scene_size;             ///< no coordinate of a body, or of an obstacle's box, from the scene's origin is larger
+	bool near_only;                ///< obstacles outside of near_mask are farther
+	bool covered;                  ///< the reach's tables hold in all lanes
+	bool contact_only;             ///< nothing is proved free, and a lane in contact ends all
+	uint32_t all;                  ///< lanes with states
+	uint32_t left;                 ///< lanes not known to be blocked
+	uint32_t unsure[2];      ///< of these, lanes in which a pair with the scene, or of the robot itself, is not decided
 	primitive_test* waiting; ///< [MOST_WAITING + 1], the last for a test that does not wait
 	uint32_t waiting_count;
 } lane_states;
@@ -620,7 +620,8 @@ static lw_status check_open( const lw_checker* checker, lw_query* query, const d
 }
 
 /// Verdicts of a block of states by lanes, and the tests that they leave open.
-static void take_verdicts( const lane_states* s, uint32_t count, lw_check_flags flags, lw_verdict* out, lw_check_flags* open )
+static void take_verdicts( const lane_states* s, uint32_t count, lw_check_flags flags, lw_verdict* out,
+	lw_check_flags* open )
 {
 	for ( uint32_t lane = 0; lane < count; ++lane )
 	{
@@ -630,8 +631,8 @@ static void take_verdicts( const lane_states* s, uint32_t count, lw_check_flags 
 	}
 }
 
-lw_status lw_checker_states( const lw_checker* checker, lw_query* query, const double* q, uint32_t count, lw_check_flags flags,
-	double min_d, lw_states_effort effort, lw_verdict* out, lw_check_flags* out_open )
+lw_status lw_checker_states( const lw_checker* checker, lw_query* query, const double* q, uint32_t count,
+	lw_check_flags flags, double min_d, lw_states_effort effort, lw_verdict* out, lw_check_flags* out_open )
 {
 	if ( ( out == NULL && count > 0 ) || effort < LW_STATES_CONTACT || effort > LW_STATES_FULL )
 	{

@@ -58,7 +58,8 @@ bool lwi_bound_offer( lwi_bound* bound, double lower, double upper )
 	// Within alpha of the best is good enough, but not at or below min_d while the best is above: the verdict needs that.
 	double cutoff = ( 1 - bound->range.alpha ) * upper;
 	double min_d = bound->range.min_d;
-	double decisive = bound->rounding > 0 ? beyond( min_d * ( 1 + 2 * bound->stretch ) + bound->rounding ) : lw_range_threshold( min_d ).max_d;
+	double decisive = bound->rounding > 0 ? beyond( min_d * ( 1 + 2 * bound->stretch ) + bound->rounding )
+										  : lw_range_threshold( min_d ).max_d;
 	decisive = decisive < upper ? decisive : upper;
 	cutoff = cutoff > decisive ? cutoff : decisive;
 	bound->cutoff = cutoff < bound->cutoff ? cutoff : bound->cutoff;
@@ -101,15 +102,16 @@ lw_clearance lwi_bound_result( const lwi_bound* bound )
 
 lw_range lw_range_exact( void )
 {
-	return (lw_range){ 0, INFINITY, 0 };
+	return ( lw_range ){ 0, INFINITY, 0 };
 }
 
 lw_range lw_range_threshold( double min_d )
 {
-	return (lw_range){ min_d, nextafter( min_d, INFINITY ), 0 };
+	return ( lw_range ){ min_d, nextafter( min_d, INFINITY ), 0 };
 }
 
 lw_clearance lw_clearance_unknown( void )
 {
-	return (lw_clearance){ 0, INFINITY, { 0, 0, 0 }, { 0, 0, 0 }, LW_CLEARANCE_UNKNOWN, LW_INVALID_INDEX, LW_INVALID_INDEX };
+	return (
+		lw_clearance ){ 0, INFINITY, { 0, 0, 0 }, { 0, 0, 0 }, LW_CLEARANCE_UNKNOWN, LW_INVALID_INDEX, LW_INVALID_INDEX };
 }

@@ -8,7 +8,7 @@ typedef struct boxes
 	double half_a[3], half_b[3]; ///< infinite or no numbers where shapes are unbounded: nothing is proved then
 	double t[3];                 ///< middle of b's box
 	double r[3][3], abs_r[3][3];
-	double size;                 ///< bounds all numbers that roundings are relative to
+	double size; ///< bounds all numbers that roundings are relative to
 } boxes;
 
 static boxes boxes_of( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b )
@@ -85,5 +85,6 @@ bool lwi_boxes_are_apart( const lw_shape* a, const lw_shape* b, const lw_transfo
 {
 	boxes x = boxes_of( a, b, a_from_b );
 	double error = LWI_EXACT_ERROR * x.size, limit = fmax( bound->cutoff + bound->margin, 0 ) + error + LEAST_LIMIT;
-	return limit < INFINITY && ( face_gap_squared( &x ) >= limit * limit * ( 1 + 0x1p-40 ) || edges_are_apart( &x, limit, error ) );
+	return limit < INFINITY &&
+		   ( face_gap_squared( &x ) >= limit * limit * ( 1 + 0x1p-40 ) || edges_are_apart( &x, limit, error ) );
 }

@@ -117,7 +117,7 @@ static vec_d add_support( const lwi_pair* pair, lw_vec3 v, lwi_simplex* simplex 
 	lw_vec3 w = lwi_sub( a, lwi_transform( &pair->place, b ) );
 	simplex->a[simplex->count] = a;
 	simplex->b[simplex->count] = b;
-	return (vec_d){ w.x, w.y, w.z };
+	return ( vec_d ){ w.x, w.y, w.z };
 }
 
 static bool is_known( const lwi_simplex* simplex )
@@ -233,7 +233,7 @@ static void triangles( const lwi_pair* pair, lwi_bounds* bounds )
 	}
 	lwi_tri_result r = lwi_tri_tri( pair->a.vertex, b );
 	double lower = r.distance - ( LWI_TRI_TRI_ERROR + LWI_CONVEX_ROUNDING ) * pair->extent;
-	*bounds = (lwi_bounds){ lower, r.distance, r.point_a, r.point_b, 1 };
+	*bounds = ( lwi_bounds ){ lower, r.distance, r.point_a, r.point_b, 1 };
 }
 
 static bool is_curved( const lwi_support_map* piece )
@@ -312,6 +312,6 @@ lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b,
 		bounds.point_b = bounds.point_a;
 	}
 	// Lower may exceed upper where both are the distance to rounding
-	return (lwi_convex_result){ lwi_clamp( bounds.lower, 0.0, bounds.upper ), bounds.upper,
+	return ( lwi_convex_result ){ lwi_clamp( bounds.lower, 0.0, bounds.upper ), bounds.upper,
 		lwi_add( bounds.point_a, origin_a ), lwi_add( bounds.point_b, origin_a ), bounds.iterations };
 }

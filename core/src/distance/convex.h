@@ -34,7 +34,7 @@ typedef struct lwi_convex
 {
 	lwi_convex_type type;
 	double size[3];
-	lw_vec3 vertex[3]; ///< of a triangle
+	lw_vec3 vertex[3];    ///< of a triangle
 	const double* points; ///< [point_count][3] of POINTS, the caller's
 	uint32_t point_count; ///< >= 1
 } lwi_convex;

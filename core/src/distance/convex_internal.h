@@ -14,10 +14,10 @@ typedef struct lwi_support_map
 {
 	lwi_convex_type type;
 	double size[3];
-	lw_vec3 vertex[3]; ///< vertex[0] = 0. Of POINTS: [1] is their mean
+	lw_vec3 vertex[3];    ///< vertex[0] = 0. Of POINTS: [1] is their mean
 	const double* points; ///< of POINTS: in the shape's frame, about points[0]
 	uint32_t point_count;
-	double radius;     ///< >= |x| for all its points
+	double radius; ///< >= |x| for all its points
 } lwi_support_map;
 
 /// The pair: pieces a and b about their reference points, b placed by rotation and offset (from a's point to b's).
@@ -103,7 +103,7 @@ static inline bool lwi_bounds_done( const lwi_bounds* bounds, double rounding, d
 {
 	double difference = bounds->upper - bounds->lower;
 	return bounds->lower >= stop_above || bounds->upper <= stop_below || bounds->upper <= 0.5 * rounding ||
-		difference <= 1.5 * rounding || ( bounds->lower > 0.0 && difference <= width );
+		   difference <= 1.5 * rounding || ( bounds->lower > 0.0 && difference <= width );
 }
 
 /// The same iteration in pairs of doubles, from the simplex of the double stage: where bodies nearly touch, the closest

@@ -41,7 +41,7 @@ static vec_dd difference( const lw_transform* place, lw_vec3 a, lw_vec3 b )
 			out[i] = lwi_dd_sub( out[i], lwi_dd_two_product( place->r[i][j], x[j] ) );
 		}
 	}
-	return (vec_dd){ out[0], out[1], out[2] };
+	return ( vec_dd ){ out[0], out[1], out[2] };
 }
 
 static bool is_known( const lwi_simplex* s )
@@ -50,7 +50,7 @@ static bool is_known( const lwi_simplex* s )
 	for ( int i = 0; i < s->count; ++i )
 	{
 		if ( s->a[i].x == a.x && s->a[i].y == a.y && s->a[i].z == a.z && s->b[i].x == b.x && s->b[i].y == b.y &&
-			s->b[i].z == b.z )
+			 s->b[i].z == b.z )
 		{
 			return true;
 		}

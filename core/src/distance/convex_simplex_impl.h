@@ -55,7 +55,7 @@ static inline double NAME( distance_sq )( NAME( vec ) a, NAME( vec ) b )
 	return x * x + y * y + z * z;
 }
 
-static void NAME( offer )( NAME( nearest )* best, NAME( vec ) v, const int* index, const real* weight, int count )
+static void NAME( offer )( NAME( nearest ) * best, NAME( vec ) v, const int* index, const real* weight, int count )
 {
 	real sq = NAME( dot )( v, v );
 	if ( SIGN( best->sq ) >= 0.0 && !( SIGN( SUB( sq, best->sq ) ) < 0.0 ) )
@@ -74,7 +74,7 @@ static void NAME( offer )( NAME( nearest )* best, NAME( vec ) v, const int* inde
 	}
 }
 
-static void NAME( segment )( const NAME( vec )* w, int i, int j, NAME( nearest )* best )
+static void NAME( segment )( const NAME( vec ) * w, int i, int j, NAME( nearest ) * best )
 {
 	NAME( vec ) e = NAME( sub )( w[j], w[i] );
 	real ee = NAME( dot )( e, e );
@@ -102,9 +102,10 @@ static void NAME( segment )( const NAME( vec )* w, int i, int j, NAME( nearest )
 
 /// Turns the triangle so that i is opposite its longest edge. The cross product of the two shorter edges loses least: with
 /// two long edges of a needle it would cancel by the ratio of its sides.
-static inline void NAME( turn )( const NAME( vec )* w, int* i, int* j, int* k )
+static inline void NAME( turn )( const NAME( vec ) * w, int* i, int* j, int* k )
 {
-	double ij = NAME( distance_sq )( w[*i], w[*j] ), jk = NAME( distance_sq )( w[*j], w[*k] ), ki = NAME( distance_sq )( w[*k], w[*i] );
+	double ij = NAME( distance_sq )( w[*i], w[*j] ), jk = NAME( distance_sq )( w[*j], w[*k] ),
+		   ki = NAME( distance_sq )( w[*k], w[*i] );
 	int first = *i;
 	if ( ki > jk && ki >= ij )
 	{
@@ -121,7 +122,7 @@ static inline void NAME( turn )( const NAME( vec )* w, int* i, int* j, int* k )
 }
 
 /// The nearest point is inside, or on an edge whose opposite vertex has a negative weight.
-static void NAME( triangle )( const NAME( vec )* w, int i, int j, int k, NAME( nearest )* best )
+static void NAME( triangle )( const NAME( vec ) * w, int i, int j, int k, NAME( nearest ) * best )
 {
 	NAME( turn )( w, &i, &j, &k );
 	NAME( vec ) e = NAME( sub )( w[j], w[i] );
@@ -162,7 +163,7 @@ static void NAME( triangle )( const NAME( vec )* w, int i, int j, int k, NAME( n
 
 /// Six times the volume, positive if vertex 0 is on the side of face 1 2 3 that its normal points to; from the vertex with
 /// the shortest edges, for the same reason as above.
-static real NAME( volume )( const NAME( vec )* w, const int faces[4][3] )
+static real NAME( volume )( const NAME( vec ) * w, const int faces[4][3] )
 {
 	int pivot = 0;
 	double shortest = INFINITY;
@@ -187,7 +188,7 @@ static real NAME( volume )( const NAME( vec )* w, const int faces[4][3] )
 
 /// Weight of vertex `apex` = height of the origin over the opposite face by the height of the apex. Faces that do not have
 /// the origin on the apex's side can hold the nearest point; without any, the origin is inside.
-static bool NAME( tetrahedron )( const NAME( vec )* w, bool all_faces, NAME( nearest )* best )
+static bool NAME( tetrahedron )( const NAME( vec ) * w, bool all_faces, NAME( nearest ) * best )
 {
 	static const int faces[4][3] = { { 1, 2, 3 }, { 0, 2, 3 }, { 0, 1, 3 }, { 0, 1, 2 } };
 	real weight[4];
@@ -231,7 +232,7 @@ static bool NAME( tetrahedron )( const NAME( vec )* w, bool all_faces, NAME( nea
 
 /// @param all_faces of four points: distrust the order in which they came
 /// @return true if the origin is inside (count 4 only)
-static inline bool NAME( nearest_to_origin )( const NAME( vec )* w, int count, bool all_faces, NAME( nearest )* best )
+static inline bool NAME( nearest_to_origin )( const NAME( vec ) * w, int count, bool all_faces, NAME( nearest ) * best )
 {
 	best->sq = FROM( -1.0 );
 	if ( count == 4 )

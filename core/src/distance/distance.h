@@ -16,20 +16,20 @@ typedef struct lwi_search_memory lwi_search_memory;
 typedef struct lwi_bound
 {
 	lw_range range;
-	double upper; ///< least clearance measured so far; +inf before the first below max_d
-	double cutoff; ///< pairs proved to be this far or farther are not opened; never grows
-	double floor;  ///< least certified lower bound of all pairs measured in double
-	bool done;    ///< upper <= min_d, given up, or failed: the search is over
-	bool failed;  ///< a deferred mesh could not be made: no answer
-	double lowest; ///< no clearance is below it: minus the largest margin
+	double upper;             ///< least clearance measured so far; +inf before the first below max_d
+	double cutoff;            ///< pairs proved to be this far or farther are not opened; never grows
+	double floor;             ///< least certified lower bound of all pairs measured in double
+	bool done;                ///< upper <= min_d, given up, or failed: the search is over
+	bool failed;              ///< a deferred mesh could not be made: no answer
+	double lowest;            ///< no clearance is below it: minus the largest margin
 	double rounding, stretch; ///< error bound of the poses: 0, or set by lwi_bound_allow_rounding()
-	double margin; ///< of `current_pair`: set by the caller before each search
-	double measured; ///< least clearance that was measured of it since somebody set this to +inf
+	double margin;            ///< of `current_pair`: set by the caller before each search
+	double measured;          ///< least clearance that was measured of it since somebody set this to +inf
 	// the witness of `upper`
 	lw_vec3 point_a, point_b; ///< in a's shape frame
 	uint32_t triangle_a, triangle_b;
-	uint32_t pair;            ///< `current_pair` when it was found
-	uint32_t current_pair;    ///< set by the caller before each search
+	uint32_t pair;         ///< `current_pair` when it was found
+	uint32_t current_pair; ///< set by the caller before each search
 } lwi_bound;
 
 void lwi_bound_init( lwi_bound* bound, const lw_range* range );
@@ -49,19 +49,21 @@ lw_clearance lwi_bound_result( const lwi_bound* bound );
 
 /// Lowers the bound to the distance of a and b, less the bound's margin, where that is smaller.
 /// @param a_from_b shape frames; finite, a rotation
-void lwi_search( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
+void lwi_search( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	lwi_bound* bound );
 
 /// lwi_search() of one of several pairs, any of which may be the nearest. Searches two trees until the first measurement,
 /// or for a few leaves; if that does not end the search it is suspended, and lwi_search_waiting() resumes it after all
 /// pairs had their turn.
-void lwi_search_first( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound );
+void lwi_search_first( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	lwi_bound* bound );
 
 /// Ends the suspended searches, that of the nearest measured pair first.
 void lwi_search_waiting( lwi_search_memory* memory, lwi_bound* bound );
 
 /// Measures one pair of items, or of primitives, for the pair cache. Out-of-range indices are ignored.
-void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t item_a,
-	uint32_t item_b, lwi_bound* bound );
+void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	uint32_t item_a, uint32_t item_b, lwi_bound* bound );
 
 /// The element index of a witness as callers see it: of a triangle, point, sphere or box. LW_INVALID_INDEX for the one point
 /// of a sphere, the segment of a capsule (both internal), and primitives.

@@ -28,9 +28,9 @@ uint32_t lwi_leaf_mask( const lwi_searching* s, const lw_shape* shape, lwi_ref l
 uint32_t lwi_leaf_item( const lw_shape* shape, lwi_ref leaf, uint32_t lane )
 {
 	uint32_t index = lwi_ref_index( leaf );
-	return shape->family == LWI_BALLS ? shape->ball_leaves[index].child[lane]
-		: shape->family == LWI_BOXES  ? shape->box_leaves[index].box[lane]
-									  : shape->leaves[index].triangle[lane];
+	return shape->family == LWI_BALLS   ? shape->ball_leaves[index].child[lane]
+		   : shape->family == LWI_BOXES ? shape->box_leaves[index].box[lane]
+										: shape->leaves[index].triangle[lane];
 }
 
 void lwi_box_leaf_spheres( const lwi_box_leaf* leaf, lwi_node* spheres )
@@ -111,12 +111,13 @@ static uint32_t least_lane( const float gap[LWI_WIDTH], uint32_t count )
 
 /// Extents of both leaves along one direction given in a's frame: high of a and low of b on the same scale (metres), so that
 /// low_b[j] - high_a[i] is a gap of every pair at once. Facing flat surfaces are settled here.
-static void project_leaves( lwi_searching* s, const lwi_leaf* a, const lwi_leaf* b, const float direction[3], float high_a[LWI_WIDTH],
-	float low_b[LWI_WIDTH] )
+static void project_leaves( lwi_searching* s, const lwi_leaf* a, const lwi_leaf* b, const float direction[3],
+	float high_a[LWI_WIDTH], float low_b[LWI_WIDTH] )
 {
 	// in double: normals of small triangles have squares that a float cannot hold, and a slab is one only along a unit
 	// vector
-	double x = (double)direction[0], y = (double)direction[1], z = (double)direction[2], norm = sqrt( x * x + y * y + z * z );
+	double x = (double)direction[0], y = (double)direction[1], z = (double)direction[2],
+		   norm = sqrt( x * x + y * y + z * z );
 	double inverse = norm > 0 ? 1 / norm : 0;
 	float n[3] = { (float)( x * inverse ), (float)( y * inverse ), (float)( z * inverse ) };
 	const lwi_motion* m = &s->from_other[LWI_A];

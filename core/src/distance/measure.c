@@ -144,8 +144,8 @@ static void measure_convex( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 	place.t[0] += shift.x;
 	place.t[1] += shift.y;
 	place.t[2] += shift.z;
-	double radii = ( s->a->primitive ? 0 : lwi_item_radius( s->a, item_a ) ) + ( s->b->primitive ? 0 : lwi_item_radius( s->b,
-		item_b ) );
+	double radii = ( s->a->primitive ? 0 : lwi_item_radius( s->a, item_a ) ) +
+				   ( s->b->primitive ? 0 : lwi_item_radius( s->b, item_b ) );
 	radii += s->bound->margin;
 	// and a distance is near enough if it stays a violation without radii and margin; subtracting them rounds
 	double stop_below = ( s->bound->range.min_d + radii ) * ( 1 - 8 * LWI_U64 );
@@ -184,7 +184,8 @@ static span span_of_item( const lw_shape* shape, uint32_t item, lw_vec3 n, lw_ve
 	if ( shape->family == LWI_CONVEX )
 	{
 		lwi_convex primitive = lwi_convex_of_primitive( shape );
-		lwi_support_map piece = { .type = primitive.type, .size = { primitive.size[0], primitive.size[1], primitive.size[2] } };
+		lwi_support_map piece = { .type = primitive.type,
+			.size = { primitive.size[0], primitive.size[1], primitive.size[2] } };
 		for ( int sign = -1; sign <= 1; sign += 2 )
 		{
 			lw_vec3 p = lwi_support_point( &piece, lwi_scale( sign, n ) );

@@ -17,11 +17,11 @@ typedef struct ascent
 {
 	const lwi_kernels* kernels;
 	const lw_shape* shape;
-	lw_vec3 n;       ///< unit, shape frame
-	double most;     ///< height above which the answer is no
-	double skip_below;   ///< subtrees below it are skipped
-	double top;      ///< proved: nothing is higher
-	uint32_t budget; ///< leaves
+	lw_vec3 n;         ///< unit, shape frame
+	double most;       ///< height above which the answer is no
+	double skip_below; ///< subtrees below it are skipped
+	double top;        ///< proved: nothing is higher
+	uint32_t budget;   ///< leaves
 } ascent;
 
 /// The vertices of a leaf. @return false if one is too high
@@ -32,7 +32,8 @@ static bool climb_leaf( ascent* up, lwi_ref ref )
 	{
 		for ( size_t i = 0; i < 3; ++i )
 		{
-			size_t vertex = up->shape->indices != NULL ? up->shape->indices[3 * (size_t)leaf->triangle[lane] + i] : leaf->triangle[lane];
+			size_t vertex =
+				up->shape->indices != NULL ? up->shape->indices[3 * (size_t)leaf->triangle[lane] + i] : leaf->triangle[lane];
 			double height = lwi_dot( up->n, lwi_load( up->shape->vertices + 3 * vertex ) );
 			up->top = height > up->top ? height : up->top;
 		}
@@ -136,8 +137,8 @@ static double dilation( const lw_shape* shape )
 bool lwi_witness_proves( lwi_searching* s, uint32_t* budget )
 {
 	lwi_bound* bound = s->bound;
-	bool known_a = s->a->primitive || bound->triangle_a < s->a->item_count, known_b = s->b->primitive ||
-		bound->triangle_b < s->b->item_count;
+	bool known_a = s->a->primitive || bound->triangle_a < s->a->item_count,
+		 known_b = s->b->primitive || bound->triangle_b < s->b->item_count;
 	if ( !( bound->upper < INFINITY ) || bound->pair != bound->current_pair || !known_a || !known_b )
 	{
 		return false; // another pair of shapes has it
@@ -164,7 +165,8 @@ bool lwi_witness_proves( lwi_searching* s, uint32_t* budget )
 			continue; // nothing, or so short that its square has lost digits
 		}
 		lw_vec3 n = lwi_scale( ( lwi_dot( direction[i], between ) < 0 ? -1 : 1 ) / length, direction[i] );
-		double at_a = lwi_dot( n, bound->point_a ) - dilation( s->a ), at_b = lwi_dot( n, bound->point_b ) + dilation( s->b );
+		double at_a = lwi_dot( n, bound->point_a ) - dilation( s->a ),
+			   at_b = lwi_dot( n, bound->point_b ) + dilation( s->b );
 		if ( slab_is_wide( s, n, at_a, at_b, width, budget ) )
 		{
 			bound->floor = target < bound->floor ? target : bound->floor;

@@ -37,7 +37,7 @@ enum
 typedef struct lwi_subtree
 {
 	lwi_ref ref;
-	uint32_t obb; ///< its place: node * LWI_WIDTH + lane of the parent; LW_INVALID_INDEX for a root
+	uint32_t obb;            ///< its place: node * LWI_WIDTH + lane of the parent; LW_INVALID_INDEX for a root
 	float center[3], radius; ///< tree frame
 } lwi_subtree;
 
@@ -84,8 +84,8 @@ struct lwi_search_memory
 /// The corners that are nearest: one of each shape, or one and the two of an edge.
 typedef struct lwi_shared_feature
 {
-	uint32_t count_a, count_b; ///< count_a = 0: none is known
-	uint32_t a[2], b[2];       ///< vertices
+	uint32_t count_a, count_b;        ///< count_a = 0: none is known
+	uint32_t a[2], b[2];              ///< vertices
 	lw_vec3 direction_a, direction_b; ///< unit, each in its shape's frame: from it to the other
 	double distance;
 	lw_vec3 point_a, point_b; ///< a's shape frame
@@ -99,16 +99,16 @@ typedef struct lwi_searching
 	const lw_shape* a;
 	const lw_shape* b;
 	const lw_transform* a_from_b; ///< shape frames, double
-	lwi_motion from_other[2]; ///< of each side: its tree frame from that of the other
+	lwi_motion from_other[2];     ///< of each side: its tree frame from that of the other
 	lwi_bound* bound;
 	double radii; ///< dilation that the trees do not contain: of capsules, and the margin of the pair
 	double slack; ///< metres: largest excess of a float gap over the true one
 	double error; ///< metres: largest error of a distance in double
-	bool obbs;   ///< both have them
+	bool obbs;    ///< both have them
 	bool has_direction;
-	float direction[2][3]; ///< from a to b across the nearest pair found, in either tree frame: unit vectors
-	lwi_shared_feature shared;     ///< of the nearest pair found
-	float guess_gap; ///< before there is one, it is that of the leaves that are nearest so far: this far apart
+	float direction[2][3];     ///< from a to b across the nearest pair found, in either tree frame: unit vectors
+	lwi_shared_feature shared; ///< of the nearest pair found
+	float guess_gap;           ///< before there is one, it is that of the leaves that are nearest so far: this far apart
 	double least; ///< pairs nearer than this are measured whatever the bound: solid meshes (distance/primitives.c); or -inf
 	float limit;  ///< subtrees whose gap reaches it are dropped: bound->cutoff + radii + slack, rounded up
 } lwi_searching;
@@ -258,8 +258,7 @@ lwi_convex lwi_convex_of_primitive( const lw_shape* shape );
 /// @param a, b the corners in a's shape frame
 /// @return false if it is anything else; out->count_a is 0 then
 bool lwi_shared_feature_find( const lwi_searching* s, uint32_t item_a, uint32_t item_b, const lw_vec3 a[3],
-	const lw_vec3 b[3], double distance,
-	lw_vec3 point_a, lw_vec3 point_b, lwi_shared_feature* out );
+	const lw_vec3 b[3], double distance, lw_vec3 point_a, lw_vec3 point_b, lwi_shared_feature* out );
 
 /// True if two triangles have the distance of s->shared, which is set, to the last digit.
 bool lwi_shared_feature_holds( const lwi_searching* s, uint32_t item_a, uint32_t item_b );

@@ -33,7 +33,7 @@ static lwi_cached_axis* cached_axis_of( lwi_searching* s )
 	lwi_cached_axis* axis = &s->memory->axis_cache[key >> ( 32 - LWI_AXIS_CACHE_BITS )];
 	if ( axis->key != key )
 	{
-		*axis = (lwi_cached_axis){ .key = key };
+		*axis = ( lwi_cached_axis ){ .key = key };
 	}
 	return axis;
 }
@@ -53,7 +53,8 @@ static bool new_plane_rules_out( lwi_searching* s, lwi_cached_axis* axis )
 		return false;
 	}
 	axis->plane = lwi_plane_between( s->a, s->b, &s->from_other[LWI_B] );
-	axis->known = lwi_separate( s->kernels, s->a, s->b, &s->from_other[LWI_A], s->limit, &axis->plane, PLANE_DIRECTIONS_NEW );
+	axis->known =
+		lwi_separate( s->kernels, s->a, s->b, &s->from_other[LWI_A], s->limit, &axis->plane, PLANE_DIRECTIONS_NEW );
 	if ( axis->known )
 	{
 		lwi_backoff_succeeded( &axis->backoff );

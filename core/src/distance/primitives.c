@@ -29,7 +29,9 @@ static lw_vec3 point_of_item( const lw_shape* shape, uint32_t item )
 	{
 		return lwi_v3( 0, 0, 0 ); // the centre of a box, cylinder or cone
 	}
-	size_t vertex = shape->family == LWI_BOXES ? 2 * (size_t)item : shape->indices != NULL ? shape->indices[3 * (size_t)item] : item;
+	size_t vertex = shape->family == LWI_BOXES ? 2 * (size_t)item
+					: shape->indices != NULL   ? shape->indices[3 * (size_t)item]
+											   : item;
 	return lwi_load( shape->vertices + 3 * vertex );
 }
 
@@ -188,7 +190,7 @@ static bool test( const inside* q )
 
 static inside one_order( lwi_searching* s, bool mesh_is_a )
 {
-	return (inside){ s, mesh_is_a ? s->a : s->b, mesh_is_a ? s->b : s->a, mesh_is_a,
+	return ( inside ){ s, mesh_is_a ? s->a : s->b, mesh_is_a ? s->b : s->a, mesh_is_a,
 		mesh_is_a ? &s->from_other[LWI_A] : &s->from_other[LWI_B] };
 }
 

@@ -34,8 +34,8 @@ static lwi_motion motion_of( const lw_transform* m )
 	return out;
 }
 
-static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
-	lwi_bound* bound )
+static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b,
+	const lw_transform* a_from_b, lwi_bound* bound )
 {
 	lwi_searching s;
 	memset( &s, 0, sizeof( s ) );
@@ -45,7 +45,8 @@ static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a,
 	s.b = b;
 	s.a_from_b = a_from_b;
 	s.bound = bound;
-	s.radii = ( a->family == LWI_TRIANGLES ? a->radius : 0 ) + ( b->family == LWI_TRIANGLES ? b->radius : 0 ) + bound->margin;
+	s.radii =
+		( a->family == LWI_TRIANGLES ? a->radius : 0 ) + ( b->family == LWI_TRIANGLES ? b->radius : 0 ) + bound->margin;
 	// tree frames are the shape frames shifted by `origin` (zero for primitives)
 	lw_transform tree = *a_from_b;
 	lw_vec3 origin_b = lwi_transform( a_from_b, lwi_load( b->origin ) );
@@ -96,8 +97,12 @@ static bool wait_for_others( lwi_searching* s, const lwi_walk* walk )
 		return false;
 	}
 	lwi_waiting* waiting = &memory->waiting[memory->waiting_count++];
-	*waiting = (lwi_waiting){ .search = *s, .a_from_b = *s->a_from_b, .walk = *walk, .pair = s->bound->current_pair,
-		.margin = s->bound->margin, .measured = s->bound->measured };
+	*waiting = ( lwi_waiting ){ .search = *s,
+		.a_from_b = *s->a_from_b,
+		.walk = *walk,
+		.pair = s->bound->current_pair,
+		.margin = s->bound->margin,
+		.measured = s->bound->measured };
 	memory->stack_bottom = walk->height;
 	return true;
 }
@@ -111,7 +116,8 @@ static void end_search( lwi_searching* s )
 }
 
 /// @param look the search may be suspended after its first pass
-static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound, bool look )
+static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	lwi_bound* bound, bool look )
 {
 	bool deferred = lwi_shape_now( a )->deferred != NULL || lwi_shape_now( b )->deferred != NULL;
 	if ( deferred && lwi_box_gap( a, b, a_from_b ) >= bound->cutoff + bound->margin )
@@ -149,12 +155,14 @@ static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_
 	end_search( &s );
 }
 
-void lwi_search( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound )
+void lwi_search( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	lwi_bound* bound )
 {
 	search_pair( memory, a, b, a_from_b, bound, false );
 }
 
-void lwi_search_first( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, lwi_bound* bound )
+void lwi_search_first( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	lwi_bound* bound )
 {
 	bound->measured = INFINITY;
 	search_pair( memory, a, b, a_from_b, bound, true );
@@ -197,8 +205,8 @@ void lwi_search_waiting( lwi_search_memory* memory, lwi_bound* bound )
 	memory->waiting_count = memory->stack_bottom = 0;
 }
 
-void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, uint32_t item_a,
-	uint32_t item_b, lwi_bound* bound )
+void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	uint32_t item_a, uint32_t item_b, lwi_bound* bound )
 {
 	a = lwi_shape_now( a );
 	b = lwi_shape_now( b );

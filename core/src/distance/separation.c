@@ -268,8 +268,8 @@ typedef struct extremes
 {
 	const lwi_points8* points;
 	uint32_t blocks;
-	const lw_transform* local; ///< frame of the points; NULL: axes of the poses' frame
-	lw_vec3 origin;            ///< theirs, above q->from
+	const lw_transform* local;       ///< frame of the points; NULL: axes of the poses' frame
+	lw_vec3 origin;                  ///< theirs, above q->from
 	lw_vec3 cut[LWI_MAX_DIRECTIONS]; ///< further points, from searches of all geometry; above q->from
 	int cuts;
 } extremes;
@@ -373,7 +373,7 @@ typedef struct gjk
 	vec_d w[4];
 	int count;
 	double upper; ///< of the distance of their hulls; 0 at first: the first good enough direction ends the search
-	lw_vec3 n;                 ///< unit, from a to b: the direction to try next
+	lw_vec3 n;    ///< unit, from a to b: the direction to try next
 	uint32_t which_a, which_b; ///< points that are nearest to the plane
 	double high, low;          ///< of a and of b along it
 } gjk;
@@ -390,7 +390,7 @@ static lwi_separation separate_extremes( const lwi_kernels* kernels, gjk* s )
 			return LWI_APART;
 		}
 		lw_vec3 difference = lwi_sub( extreme_point( &s->b, s->which_b ), extreme_point( &s->a, s->which_a ) );
-		s->w[s->count++] = (vec_d){ difference.x, difference.y, difference.z };
+		s->w[s->count++] = ( vec_d ){ difference.x, difference.y, difference.z };
 		nearest_d nearest;
 		if ( nearest_to_origin_d( s->w, s->count, true, &nearest ) )
 		{
@@ -419,8 +419,8 @@ static bool hulls_stay_below( const lwi_kernels* kernels, lwi_swept_poses* a, lw
 	uint32_t which_a, which_b = 0;
 	lw_vec3 n = normal_of( b, plane.direction ), down = lwi_scale( -1, n ), lowest;
 	double high = extremes_support( kernels, extremes_a, n, &which_a );
-	double bottom = -( extremes_b == NULL ? (double)plane.reach_b : extremes_support( kernels, extremes_b, down,
-		&which_b ) );
+	double bottom =
+		-( extremes_b == NULL ? (double)plane.reach_b : extremes_support( kernels, extremes_b, down, &which_b ) );
 	if ( !( high <= bottom - q->need ) )
 	{
 		return false; // extreme points belong to the shape: if they are not below, the shape is not
@@ -467,8 +467,8 @@ uint32_t lwi_swept_apart_by( const lwi_kernels* kernels, lwi_swept_poses* a, lwi
 			break;
 		}
 		room[lane] = -INFINITY;
-		if ( plane.reach_b < INFINITY && hulls_stay_below( kernels, a, b, &q, &extremes_a, stands ? NULL : &extremes_b,
-			plane ) )
+		if ( plane.reach_b < INFINITY &&
+			 hulls_stay_below( kernels, a, b, &q, &extremes_a, stands ? NULL : &extremes_b, plane ) )
 		{
 			return lane;
 		}
@@ -571,8 +571,8 @@ bool lwi_separate( const lwi_kernels* kernels, const lw_shape* a, const lw_shape
 		a_from_b.r[i / 3][i % 3] = (double)m->r[i];
 	}
 	gjk s = { .need = (double)limit, .n = lwi_v3( (double)between.n[0], (double)between.n[1], (double)between.n[2] ) };
-	s.a = (extremes){ .points = a->extreme_points, .blocks = a->extreme_blocks };
-	s.b = (extremes){ .points = b->extreme_points, .blocks = b->extreme_blocks, .local = &a_from_b };
+	s.a = ( extremes ){ .points = a->extreme_points, .blocks = a->extreme_blocks };
+	s.b = ( extremes ){ .points = b->extreme_points, .blocks = b->extreme_blocks, .local = &a_from_b };
 	s.b.origin = lwi_v3( (double)m->t[0], (double)m->t[1], (double)m->t[2] );
 	float point_a[3] = { 0, 0, 0 }, point_b[3] = { 0, 0, 0 };
 	for ( int tried = 0; tried < directions && separate_extremes( kernels, &s ) == LWI_APART; ++tried )

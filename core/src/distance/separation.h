@@ -56,12 +56,12 @@ typedef struct lwi_swept_poses
 {
 	const lw_shape* shape;
 	int count;
-	lw_transform middle; ///< frame_from_shape: the first of several
-	lwi_cloud* cloud; ///< of more than one pose
+	lw_transform middle;                  ///< frame_from_shape: the first of several
+	lwi_cloud* cloud;                     ///< of more than one pose
 	lw_transform at[LWI_MAX_SWEPT_POSES]; ///< frame_from_shape, of several
-	bool boxed;                      ///< `boxes` are filled
+	bool boxed;                           ///< `boxes` are filled
 	lw_vec3 box_middle[LWI_MAX_SWEPT_POSES];
-	double box_size; ///< sum of the coordinates of three half axes, at most
+	double box_size;                            ///< sum of the coordinates of three half axes, at most
 	lwi_sheared_box boxes[LWI_MAX_SWEPT_POSES]; ///< from the origin of the last plane test
 } lwi_swept_poses;
 

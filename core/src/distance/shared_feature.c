@@ -72,8 +72,7 @@ static bool foot_on( lw_vec3 p, lw_vec3 from, lw_vec3 to, lw_vec3* foot )
 }
 
 bool lwi_shared_feature_find( const lwi_searching* s, uint32_t item_a, uint32_t item_b, const lw_vec3 a[3],
-	const lw_vec3 b[3], double distance,
-	lw_vec3 point_a, lw_vec3 point_b, lwi_shared_feature* out )
+	const lw_vec3 b[3], double distance, lw_vec3 point_a, lw_vec3 point_b, lwi_shared_feature* out )
 {
 	out->count_a = 0;
 	double lengths = s->error / LWI_EXACT_ERROR;

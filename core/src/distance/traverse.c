@@ -16,8 +16,9 @@ static lwi_obb obb_of( const lw_shape* shape, uint32_t place, const lwi_motion* 
 	float r = sphere[3];
 	if ( place == LW_INVALID_INDEX )
 	{
-		const lwi_obb cube = { .axis = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, .low = { -r, -r, -r }, .high = { r, r,
-			r } };
+		const lwi_obb cube = { .axis = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } },
+			.low = { -r, -r, -r },
+			.high = { r, r, r } };
 		memcpy( out.axis, cube.axis, sizeof( out.axis ) );
 		memcpy( out.low, cube.low, sizeof( out.low ) );
 		memcpy( out.high, cube.high, sizeof( out.high ) );
@@ -62,8 +63,10 @@ static inline uint32_t open_side( lwi_searching* s, lwi_entry* e, int side, uint
 		lwi_entry* child = &s->memory->stack[height++];
 		*child = *e;
 		child->gap = gap[lane];
-		child->side[side] = (lwi_subtree){ .ref = node->child[lane], .obb = ref * LWI_WIDTH + lane,
-			.center = { node->x[lane], node->y[lane], node->z[lane] }, .radius = node->r[lane] };
+		child->side[side] = ( lwi_subtree ){ .ref = node->child[lane],
+			.obb = ref * LWI_WIDTH + lane,
+			.center = { node->x[lane], node->y[lane], node->z[lane] },
+			.radius = node->r[lane] };
 	}
 	return height;
 }
@@ -89,7 +92,7 @@ static bool witness_rules_out( lwi_searching* s, uint32_t compared, lwi_slab_bac
 {
 	if ( s->bound->upper != backoff->upper )
 	{
-		*backoff = (lwi_slab_backoff){ s->bound->upper, compared + BEFORE_WITNESS };
+		*backoff = ( lwi_slab_backoff ){ s->bound->upper, compared + BEFORE_WITNESS };
 	}
 	if ( compared < backoff->next )
 	{
@@ -103,16 +106,18 @@ static bool witness_rules_out( lwi_searching* s, uint32_t compared, lwi_slab_bac
 
 enum
 {
-	LEAVES_BEFORE_PLANE = 1, ///< comparisons of leaves before the first search for a plane: most searches end without
+	LEAVES_BEFORE_PLANE = 1,      ///< comparisons of leaves before the first search for a plane: most searches end without
 	LEAVES_BEFORE_LATE_PLANE = 2, ///< and again when a suspended search resumes: many end at once
-	LEAVES_OF_A_LOOK = 4,    ///< comparisons after which a first pass is over even if nothing was measured
-	LEAVES_BEFORE_LEAST = 8, ///< comparisons after which the entry with the least gap is next, wherever it is
+	LEAVES_OF_A_LOOK = 4,         ///< comparisons after which a first pass is over even if nothing was measured
+	LEAVES_BEFORE_LEAST = 8,      ///< comparisons after which the entry with the least gap is next, wherever it is
 };
 
 lwi_walk lwi_walk_begin( lwi_searching* s )
 {
 	lwi_search_memory* memory = s->memory;
-	lwi_walk walk = { .bottom = memory->stack_bottom, .height = memory->stack_bottom + 1, .bounded = s->limit < INFINITY,
+	lwi_walk walk = { .bottom = memory->stack_bottom,
+		.height = memory->stack_bottom + 1,
+		.bounded = s->limit < INFINITY,
 		.backoff = { INFINITY, UINT32_MAX } };
 	lwi_entry* root = &memory->stack[walk.bottom];
 	root->gap = 0;
@@ -120,8 +125,10 @@ lwi_walk lwi_walk_begin( lwi_searching* s )
 	{
 		const lw_shape* shape = lwi_shape_of( s, side );
 		const float* sphere = shape->root_sphere;
-		root->side[side] = (lwi_subtree){ .ref = shape->root, .obb = LW_INVALID_INDEX,
-			.center = { sphere[0], sphere[1], sphere[2] }, .radius = sphere[3] };
+		root->side[side] = ( lwi_subtree ){ .ref = shape->root,
+			.obb = LW_INVALID_INDEX,
+			.center = { sphere[0], sphere[1], sphere[2] },
+			.radius = sphere[3] };
 	}
 	root->moved_side = LW_INVALID_INDEX;
 	s->obbs = s->a->family == LWI_TRIANGLES && s->b->family == LWI_TRIANGLES;
@@ -298,8 +305,8 @@ void lwi_search_primitive( lwi_searching* s )
 						return;
 					}
 					uint32_t item = lwi_leaf_item( tree, e.side[LWI_A].ref, lanes[i] );
-					lwi_measure_items( s, primitive_is_a ? LW_INVALID_INDEX : item, primitive_is_a ? item
-						: LW_INVALID_INDEX );
+					lwi_measure_items( s, primitive_is_a ? LW_INVALID_INDEX : item,
+						primitive_is_a ? item : LW_INVALID_INDEX );
 				}
 			}
 			continue;

@@ -21,12 +21,12 @@
 /// A triangle relative to the common origin, and constants derived from it once.
 typedef struct tri
 {
-	lw_vec3 v[3];       ///< vertices
-	lw_vec3 e[3];       ///< e[i] = v[i + 1] - v[i]
-	double inv_ee[3];   ///< 1 / |e|^2, 0 for a zero edge
-	lw_vec3 o, d, m, n; ///< start and direction of the longest edge, height vector upon it, d x m
+	lw_vec3 v[3];          ///< vertices
+	lw_vec3 e[3];          ///< e[i] = v[i + 1] - v[i]
+	double inv_ee[3];      ///< 1 / |e|^2, 0 for a zero edge
+	lw_vec3 o, d, m, n;    ///< start and direction of the longest edge, height vector upon it, d x m
 	double inv_dd, inv_mm; ///< 0 if zero
-	double apex;        ///< parameter of the foot of the apex on the longest edge
+	double apex;           ///< parameter of the foot of the apex on the longest edge
 } tri;
 
 typedef struct best_pair
@@ -197,7 +197,7 @@ static double extent( const tri* a, const tri* b )
 
 static lwi_tri_result finish( const best_pair* best, lw_vec3 origin )
 {
-	return (lwi_tri_result){ sqrt( best->sq ), lwi_add( best->a, origin ), lwi_add( best->b, origin ) };
+	return ( lwi_tri_result ){ sqrt( best->sq ), lwi_add( best->a, origin ), lwi_add( best->b, origin ) };
 }
 
 /// The search itself. @param size extent of the input, metres
@@ -236,7 +236,7 @@ static lwi_tri_result measure( const tri* a, const tri* b, lw_vec3 origin, doubl
 		lw_vec3 x;
 		if ( pierces( a, b, hb, tolerance * tolerance, &x ) || pierces( b, a, ha, tolerance * tolerance, &x ) )
 		{
-			best = (best_pair){ 0.0, x, x };
+			best = ( best_pair ){ 0.0, x, x };
 			return finish( &best, origin );
 		}
 	}

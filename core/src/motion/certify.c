@@ -63,7 +63,8 @@ static double slack_of( const lwi_edge* e, const lwi_edge_pair* pair )
 static double need_of( const lwi_edge* e, const lwi_edge_pair* pair )
 {
 	const bool self = lwi_edge_pair_is_self( pair );
-	return is_close( e, pair ) ? e->def->min_d + e->pairs.rounding[self] + LWI_SLACK_SHARE * pair->slack : e->pairs.need[self];
+	return is_close( e, pair ) ? e->def->min_d + e->pairs.rounding[self] + LWI_SLACK_SHARE * pair->slack
+							   : e->pairs.need[self];
 }
 
 /// Clearance on the path that keeps all motions of the pair within the tolerance above min_d.
@@ -111,8 +112,8 @@ bool lwi_edge_grid_proves( lwi_edge* e, const lwi_grid_slice* slice, uint32_t bo
 		return false;
 	}
 	const double loss = lwi_self_margin( c->base, body_a, body_b ) + tube;
-	return note_separation( e, lwi_grid_along( slice, c->base->tree->grids.spacings, c->base->robot, e->path.full_a, e->path.full_b,
-								   required_clearance( e ) + loss ) -
+	return note_separation( e, lwi_grid_along( slice, c->base->tree->grids.spacings, c->base->robot, e->path.full_a,
+								   e->path.full_b, required_clearance( e ) + loss ) -
 								   loss );
 }
 
@@ -232,7 +233,8 @@ lwi_edge_sample lwi_edge_certify( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 	}
 	const double room = s.clearance.upper - floor_of( e, pair );
 	// no clearance like this one proves a window with more motion than the room
-	for ( double reach = 0.5 * ( loss - ( pair->tube[0] + pair->tube[1] ) ); reach > room && s.skip < LWI_EDGE_MAX_DEPTH; reach *= 0.5 )
+	for ( double reach = 0.5 * ( loss - ( pair->tube[0] + pair->tube[1] ) ); reach > room && s.skip < LWI_EDGE_MAX_DEPTH;
+		  reach *= 0.5 )
 	{
 		++s.skip;
 	}

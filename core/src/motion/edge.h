@@ -102,9 +102,9 @@ typedef struct lwi_window_motion
 	lwi_edge_window window;
 	bool moves;
 	lwi_chord_error chord_error; ///< from the lines between the poses at the ends and in the middle
-	double deviation; ///< metres: no point is farther from these lines than this, the tube included
-	double path;      ///< metres: no point gets farther from its place in the middle, the tube included
-	double tube;      ///< metres: the part of both that no halving takes away
+	double deviation;            ///< metres: no point is farther from these lines than this, the tube included
+	double path;                 ///< metres: no point gets farther from its place in the middle, the tube included
+	double tube;                 ///< metres: the part of both that no halving takes away
 } lwi_window_motion;
 
 /// Where clusters are at states of the path. Owner: motion/window.c.
@@ -152,7 +152,7 @@ typedef struct lwi_edge_plane
 /// Memory that edges of one checker keep for later ones, by a hash of the pair.
 typedef struct lwi_edge_memory
 {
-	uint64_t bindings; ///< lw_query::bindings when it was begun: it is void for any other
+	uint64_t bindings;                          ///< lw_query::bindings when it was begun: it is void for any other
 	lwi_cached_pair pair_cache[LWI_EDGE_CACHE]; ///< nearest pairs
 	lwi_edge_plane planes[LWI_EDGE_CACHE];
 } lwi_edge_memory;
@@ -168,8 +168,8 @@ typedef enum lwi_edge_plane_result
 /// Result for a pair in a window: proved; `low`: too near; else it is to be halved.
 typedef struct lwi_edge_sample
 {
-	bool proved;  ///< on all of the window
-	bool low;     ///< to be undecided: the clearance is within the pair's slack, or the edge's states are used up
+	bool proved; ///< on all of the window
+	bool low;    ///< to be undecided: the clearance is within the pair's slack, or the edge's states are used up
 	bool blocked;
 	uint8_t skip; ///< halvings more before the next measurement: those windows would be too wide
 	lw_clearance clearance;
@@ -216,11 +216,11 @@ typedef struct lwi_edge
 	lwi_edge_poses poses;
 	lwi_edge_pairs pairs;
 	lwi_work work;
-	lwi_edge_memory* memory; ///< of this edge and the ones before. Owner: motion/planes.c
+	lwi_edge_memory* memory;           ///< of this edge and the ones before. Owner: motion/planes.c
 	double *lane_states, *lane_speeds; ///< [LWI_WIDTH][robot variable_count] scratch of motion/gate.c
-	lwi_lane_bound* lane_bounds; ///< [clusters] scratch of motion/gate.c
-	bool failed;             ///< a state could not be posed or measured
-	lw_status failure;       ///< why, if it was not the state: a deferred mesh
+	lwi_lane_bound* lane_bounds;       ///< [clusters] scratch of motion/gate.c
+	bool failed;                       ///< a state could not be posed or measured
+	lw_status failure;                 ///< why, if it was not the state: a deferred mesh
 } lwi_edge;
 
 // --- motion/edge.c --------------------------------------------------------------------------------------------------------
@@ -302,7 +302,8 @@ void lwi_edge_gate( lwi_edge* edge );
 
 /// Searches for planes that prove a pair during a window, at whose middle the query is posed.
 /// @param motion of its bodies; [1] is not read for the scene @param need clearance that proves the pair without motion, margins excluded
-lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* edge, const lwi_edge_pair* pair, const lwi_window_motion motion[2], double need );
+lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* edge, const lwi_edge_pair* pair, const lwi_window_motion motion[2],
+	double need );
 
 // --- motion/certify.c -----------------------------------------------------------------------------------------------------
 

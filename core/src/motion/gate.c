@@ -33,7 +33,8 @@ static uint8_t halvings_before( const gate* g, const lwi_edge_pair* pair )
 	uint8_t skip = 0;
 	double half = 0.5 * g->e->work.end;
 	while ( skip < LWI_EDGE_MAX_DEPTH &&
-			!( lwi_chord_error_of( pair->rate[0], half ).max + lwi_chord_error_of( pair->rate[1], half ).max < LWI_MOST_DEVIATION ) )
+			!( lwi_chord_error_of( pair->rate[0], half ).max + lwi_chord_error_of( pair->rate[1], half ).max <
+				LWI_MOST_DEVIATION ) )
 	{
 		half *= 0.5;
 		++skip;
@@ -88,13 +89,15 @@ static void pose_lanes( gate* g )
 	const uint32_t variables = e->checker->base->robot->variable_count;
 	for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
 	{
-		lwi_path_at( e, e->work.end * ( ( l + 0.5 ) / LWI_WIDTH ), e->lane_states + l * variables, e->lane_speeds + l * variables );
+		lwi_path_at( e, e->work.end * ( ( l + 0.5 ) / LWI_WIDTH ), e->lane_states + l * variables,
+			e->lane_speeds + l * variables );
 	}
 	lwi_pose_moving_lanes( e->checker, e->query, e->lane_states, e->lane_speeds );
 	lwi_pose_lane_spheres( e->checker, e->query, g->half );
 	for ( uint32_t i = 0; i < g->tree->cluster_count; ++i )
 	{
-		e->lane_bounds[i] = ( lwi_lane_bound ){ .size = size_of( &g->clusters[i], rate_of( g, i, 0 ).path ) + 2 * g->tree->clusters[i].r.radius,
+		e->lane_bounds[i] = ( lwi_lane_bound ){ .size = size_of( &g->clusters[i], rate_of( g, i, 0 ).path ) +
+														2 * g->tree->clusters[i].r.radius,
 			.deviation = deviation_of( g, i, 0 ) };
 	}
 }
@@ -109,7 +112,7 @@ static box box_of( const lw_scene* scene, uint32_t shape )
 {
 	const lwi_box8* boxes = &scene->boxes[shape / LWI_WIDTH];
 	const uint32_t lane = shape % LWI_WIDTH;
-	return (box){ { boxes->min[0][lane], boxes->min[1][lane], boxes->min[2][lane] },
+	return ( box ){ { boxes->min[0][lane], boxes->min[1][lane], boxes->min[2][lane] },
 		{ boxes->max[0][lane], boxes->max[1][lane], boxes->max[2][lane] } };
 }
 
@@ -118,7 +121,7 @@ static box box_of( const lw_scene* scene, uint32_t shape )
 /// A sphere of the robot in the lanes, against obstacles.
 typedef struct query_sphere
 {
-	lwi_batch_point at; ///< from the scene's origin
+	lwi_batch_point at;  ///< from the scene's origin
 	double radius, need; ///< `need` with all but the margins of objects and the rounding of floats
 	double slack, path;
 	float reach;
@@ -194,7 +197,10 @@ static uint32_t near_cluster( const gate* g, uint32_t cluster, query_sphere* out
 	const lwi_margins* m = c->margins;
 	const bool alone = n->body_count == 1;
 	const uint32_t only = g->tree->bodies[n->first_body], blocks = c->scene->block_count;
-	const query_sphere s = make_query_sphere( g, cluster, &n->r, m == NULL ? 0 : alone ? m->bodies[only] : m->clusters[2 * cluster] );
+	const query_sphere s = make_query_sphere( g, cluster, &n->r,
+		m == NULL ? 0
+		: alone   ? m->bodies[only]
+				  : m->clusters[2 * cluster] );
 	const float* margins = m == NULL ? NULL : alone ? m->body_row[only] : m->objects;
 	const double middle[3] = { (double)s.at.p[0][4] + c->scene->origin[0], (double)s.at.p[1][4] + c->scene->origin[1],
 		(double)s.at.p[2][4] + c->scene->origin[2] };
@@ -222,7 +228,7 @@ static uint32_t near_cluster( const gate* g, uint32_t cluster, query_sphere* out
 			const uint32_t lanes = meets_obstacle( g, &s, shape, margins != NULL ? (double)margins[shape] : 0 );
 			if ( lanes != 0 )
 			{
-				query->scratch.candidates[count++] = (lwi_candidate){ (float)lanes, shape };
+				query->scratch.candidates[count++] = ( lwi_candidate ){ (float)lanes, shape };
 			}
 		}
 	}
@@ -239,9 +245,8 @@ static uint32_t near_body( const gate* g, uint32_t place, const lwi_candidate* o
 	const uint32_t body = g->tree->bodies[place], cluster = g->tree->body_cluster[body];
 	const uint8_t* mask = c->environment.mask + (size_t)body * c->scene->block_count;
 	const float* row = m != NULL ? m->body_row[body] : NULL;
-	const query_sphere s = own != NULL ? *own
-									   : make_query_sphere( g, cluster, &g->tree->body_spheres[place],
-											 m != NULL ? m->bodies[body] : 0 );
+	const query_sphere s =
+		own != NULL ? *own : make_query_sphere( g, cluster, &g->tree->body_spheres[place], m != NULL ? m->bodies[body] : 0 );
 	uint32_t met = 0;
 	for ( uint32_t i = 0; i < count && met != 0xffu; ++i )
 	{
@@ -301,8 +306,8 @@ static cluster_pair make_cluster_pair( const gate* g, const lwi_cluster_pair* pa
 	const lwi_lane_bound* bounds = g->e->lane_bounds;
 	return ( cluster_pair ){ .pair = pair,
 		.tube = tube,
-		.reach = g->e->pairs.need[1] + 2 * g->rounding + bounds[a].deviation + bounds[b].deviation +
-				 (double)pair->margin + lwi_gap_slack( 2 * ( bounds[a].size + bounds[b].size ) ) };
+		.reach = g->e->pairs.need[1] + 2 * g->rounding + bounds[a].deviation + bounds[b].deviation + (double)pair->margin +
+				 lwi_gap_slack( 2 * ( bounds[a].size + bounds[b].size ) ) };
 }
 
 /// Lanes in which two spheres do not stay apart.
@@ -314,7 +319,8 @@ static uint32_t points_meet( const gate* g, const cluster_pair* c, const lwi_bat
 
 static void add_self_pair( const gate* g, const cluster_pair* c, uint32_t a, uint32_t b, uint32_t lanes )
 {
-	const uint32_t first = g->tree->bodies[a], second = g->tree->bodies[b], index = (uint32_t)( c->pair - g->tree->self.pairs );
+	const uint32_t first = g->tree->bodies[a], second = g->tree->bodies[b],
+				   index = (uint32_t)( c->pair - g->tree->self.pairs );
 	const lwi_grid_slice* slice = g->covered ? lwi_checker_slice( g->tree, index, first, second ) : NULL;
 	if ( !lwi_edge_grid_proves( g->e, slice, first, second, c->tube ) )
 	{
@@ -336,8 +342,9 @@ static void test_bodies( const gate* g, const cluster_pair* c, uint32_t lanes )
 		for ( uint32_t k = b->first_body; k < b->first_body + b->body_count && left != 0; ++k )
 		{
 			const bool checked = separations[k - b->first_body] < INFINITY;
-			const uint32_t met =
-				checked ? left & points_meet( g, c, body_point( g, i ), spheres[i].radius, body_point( g, k ), spheres[k].radius ) : 0;
+			const uint32_t met = checked ? left & points_meet( g, c, body_point( g, i ), spheres[i].radius,
+													  body_point( g, k ), spheres[k].radius )
+										 : 0;
 			if ( met != 0 )
 			{
 				add_self_pair( g, c, i, k, met );

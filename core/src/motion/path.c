@@ -78,7 +78,7 @@ static bool measure_motion( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
 	if ( !lwi_path_is_straight( e ) ? !begin_curve( e )
-								: !lwi_motion_begin( c->base->motion, e->path.full_a, e->path.full_b, e->path.motion ) )
+									: !lwi_motion_begin( c->base->motion, e->path.full_a, e->path.full_b, e->path.motion ) )
 	{
 		return false;
 	}

@@ -21,8 +21,8 @@ typedef struct plane_test
 	lwi_edge* edge;
 	const lwi_edge_pair* pair;
 	const lwi_window_motion* motion; ///< of both bodies
-	double need;      ///< clearance that proves the pair, without margins
-	double deviation; ///< metres: of both bodies' points from the lines between their poses
+	double need;                     ///< clearance that proves the pair, without margins
+	double deviation;                ///< metres: of both bodies' points from the lines between their poses
 
 	lwi_swept_poses *a, *b;
 	bool swapped; ///< b is the first of the two
@@ -394,7 +394,8 @@ static lwi_edge_plane_result test_scene( plane_test s )
 	return worst;
 }
 
-lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, const lwi_window_motion motion[2], double need )
+lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, const lwi_window_motion motion[2],
+	double need )
 {
 	if ( !( motion[0].window.half > 0 ) )
 	{

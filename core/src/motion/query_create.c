@@ -30,7 +30,8 @@ lw_status lw_query_create( const lw_query_def* def, const struct lw_scene* scene
 	if ( checker != NULL )
 	{
 		const uint32_t known = checker->scene != NULL ? checker->scene->shape_count : 0;
-		sizes = lwi_checker_query_sizes( checker, ( shapes > known ? shapes - known : 0 ) + def->spare_shapes, def->spare_bodies );
+		sizes = lwi_checker_query_sizes( checker, ( shapes > known ? shapes - known : 0 ) + def->spare_shapes,
+			def->spare_bodies );
 		sizes.edge_bytes = lwi_edge_scratch_size( checker, def->spare_bodies );
 	}
 	return lwi_query_create( def, &sizes, allocator, out_query );

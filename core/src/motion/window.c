@@ -78,7 +78,8 @@ static size_t frame_at( lwi_edge* e, double t )
 	const size_t frame = (size_t)( ( bits * 0x9e3779b97f4a7c15u ) >> ( 64 - LWI_EDGE_FRAME_BITS ) );
 	if ( e->poses.frame_t[frame] != t )
 	{
-		const size_t clusters = e->checker->base->tree->cluster_count, padded = lwi_padded_clusters( e->checker->base->tree );
+		const size_t clusters = e->checker->base->tree->cluster_count,
+					 padded = lwi_padded_clusters( e->checker->base->tree );
 		double* state = e->poses.frame_states + frame * e->checker->base->robot->variable_count;
 		double* cosines = e->poses.frame_sincos + 2 * frame * padded;
 		e->poses.frame_t[frame] = t;

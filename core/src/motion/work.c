@@ -123,7 +123,8 @@ bool lwi_edge_state_is_free( lwi_edge* e, double t )
 	lw_state_reason reason;
 	e->out->queries += t == e->poses.posed_t ? 0 : 1;
 	lwi_edge_set_posed( e, NAN );
-	if ( lw_checker_is_free( e->checker, e->query, lwi_path_state( e, t ), e->def->flags, e->def->min_d, &free, &reason ) != LW_OK )
+	if ( lw_checker_is_free( e->checker, e->query, lwi_path_state( e, t ), e->def->flags, e->def->min_d, &free, &reason ) !=
+		 LW_OK )
 	{
 		e->failed = true;
 		e->failure = e->query->search.failure;
@@ -291,7 +292,8 @@ static bool step( lwi_edge* e )
 		return lwi_edge_fail( e, &e->pairs.all[cell.pair], window.t - window.half, &given_up );
 	}
 	const bool high = measure_cell( e, w->windows + at, count, &open );
-	if ( e->failed || ( !high && !w->from_left ) || at + 3 * open > w->capacity || ( high && !probe_before_halving( e, open ) ) )
+	if ( e->failed || ( !high && !w->from_left ) || at + 3 * open > w->capacity ||
+		 ( high && !probe_before_halving( e, open ) ) )
 	{
 		return false;
 	}
@@ -327,7 +329,8 @@ bool lwi_edge_prove( lwi_edge* e )
 		double proved = INFINITY; // nothing was to be measured
 		if ( e->pairs.surplus < INFINITY )
 		{
-			proved = lwi_larger( nextafter( e->def->min_d + e->pairs.surplus, 0 ), lw_range_threshold( e->def->min_d ).max_d );
+			proved =
+				lwi_larger( nextafter( e->def->min_d + e->pairs.surplus, 0 ), lw_range_threshold( e->def->min_d ).max_d );
 		}
 		e->out->lower_bound = lwi_smaller( lwi_smaller( lwi_edge_static_lower( e ), e->pairs.separation ), proved );
 	}

@@ -43,8 +43,8 @@ static size_t lay_out( lw_query* q, void* block )
 	q->pose.spheres = lwi_arena_take( &arena, q->capacity.links, sizeof( double[2][4] ) );
 	q->pose.block_stamp = lwi_arena_take( &arena, q->capacity.links, sizeof( uint64_t ) );
 	// each cluster begins a block of its own
-	q->pose.blocks = lwi_arena_take( &arena, q->capacity.bodies + LWI_WIDTH * (size_t)q->capacity.links,
-		sizeof( float[4] ) );
+	q->pose.blocks =
+		lwi_arena_take( &arena, q->capacity.bodies + LWI_WIDTH * (size_t)q->capacity.links, sizeof( float[4] ) );
 	q->pose.world_from_body = lwi_arena_take( &arena, q->capacity.bodies, sizeof( lw_transform ) );
 	q->pose.body_center = lwi_arena_take( &arena, q->capacity.bodies, sizeof( double[3] ) );
 	q->scratch.gaps = lwi_arena_take( &arena, q->capacity.gaps, sizeof( float ) );
@@ -142,7 +142,7 @@ uint32_t lwi_collect( lw_query* query, uint32_t entries, float limit, uint32_t s
 	{
 		if ( query->scratch.gaps[i] < limit && i != skip )
 		{
-			query->scratch.candidates[count++] = (lwi_candidate){ query->scratch.gaps[i], i };
+			query->scratch.candidates[count++] = ( lwi_candidate ){ query->scratch.gaps[i], i };
 		}
 	}
 	lwi_heap_build( query->scratch.candidates, count );

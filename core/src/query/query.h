@@ -32,28 +32,28 @@ typedef struct lwi_query_sizes
 /// read by states and edges.
 typedef struct lwi_state_pose
 {
-	lw_checker* checker; ///< whose static poses are in the arrays below (a reference); NULL = nobody's
+	lw_checker* checker;                      ///< whose static poses are in the arrays below (a reference); NULL = nobody's
 	void ( *release )( lw_checker* checker ); ///< drops that reference
-	uint64_t bindings;   ///< how often another checker was posed: memory of an earlier one's bodies is void
-	bool covered;        ///< the state is within the reach's ranges: its spheres and tables hold, flags choose
-	bool hulls, tables;  ///< which of the two hold: both only if covered
-	bool within;         ///< the state is within the ranges for which the checker's near_mask holds
-	bool near;           ///< the current call uses only that mask
-	double rounding, stretch; ///< of forward kinematics in this state, see lwi_motion_state_rounding()
-	double sphere_rounding;   ///< metres: centres of spheres, and of bodies, are less than half of that off
-	uint64_t state_stamp;     ///< stamp of the current state; data with this stamp is valid
-	double* state;            ///< [variables] full state
-	lw_transform* world_from_link; ///< [links]
-	uint64_t* cluster_stamp;       ///< [links] links of a cluster are posed
-	uint64_t sincos_stamp;         ///< of the three below
+	uint64_t bindings;                ///< how often another checker was posed: memory of an earlier one's bodies is void
+	bool covered;                     ///< the state is within the reach's ranges: its spheres and tables hold, flags choose
+	bool hulls, tables;               ///< which of the two hold: both only if covered
+	bool within;                      ///< the state is within the ranges for which the checker's near_mask holds
+	bool near;                        ///< the current call uses only that mask
+	double rounding, stretch;         ///< of forward kinematics in this state, see lwi_motion_state_rounding()
+	double sphere_rounding;           ///< metres: centres of spheres, and of bodies, are less than half of that off
+	uint64_t state_stamp;             ///< stamp of the current state; data with this stamp is valid
+	double* state;                    ///< [variables] full state
+	lw_transform* world_from_link;    ///< [links]
+	uint64_t* cluster_stamp;          ///< [links] links of a cluster are posed
+	uint64_t sincos_stamp;            ///< of the three below
 	double *angles, *cosines, *sines; ///< [links, padded] of the joints above clusters, as far as they only turn
-	uint64_t* sphere_stamp;        ///< [2 * links]
-	double* spheres;               ///< [2 * links][4] R and M of clusters, world
-	uint64_t* block_stamp;         ///< [links]
-	float* blocks;                 ///< body spheres of clusters as [4][8], relative to the centre of the cluster's R
-	uint64_t* body_stamp;          ///< [bodies]
-	lw_transform* world_from_body; ///< [bodies]
-	double* body_center;           ///< [bodies][3] bounding spheres, world
+	uint64_t* sphere_stamp;           ///< [2 * links]
+	double* spheres;                  ///< [2 * links][4] R and M of clusters, world
+	uint64_t* block_stamp;            ///< [links]
+	float* blocks;                    ///< body spheres of clusters as [4][8], relative to the centre of the cluster's R
+	uint64_t* body_stamp;             ///< [bodies]
+	lw_transform* world_from_body;    ///< [bodies]
+	double* body_center;              ///< [bodies][3] bounding spheres, world
 } lwi_state_pose;
 
 /// What earlier calls leave to later ones: only speed depends on it. Written by the searches that read it
@@ -102,8 +102,7 @@ static inline bool lwi_cached_pair_pays( const lw_query* query, const lwi_cached
 
 /// lwi_measure() of the pair that was nearest last time: offers its distance in the current state to the bound.
 static inline void lwi_measure_cached_pair( lw_query* query, const lw_shape* a, const lw_shape* b,
-	const lw_transform* a_from_b,
-	lwi_cached_pair* cached, lwi_bound* bound )
+	const lw_transform* a_from_b, lwi_cached_pair* cached, lwi_bound* bound )
 {
 	double floor = bound->floor;
 	bound->floor = INFINITY;

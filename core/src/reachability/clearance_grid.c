@@ -60,7 +60,7 @@ static bool add_joint( const lw_reach* reach, const lwi_joint* joint, lwi_grid* 
 		lwi_grid_axis* axis = &grid->axes[i];
 		if ( i == grid->dimension )
 		{
-			*axis = (lwi_grid_axis){ .variable = v, .lower = reach->lower[v], .upper = reach->upper[v] };
+			*axis = ( lwi_grid_axis ){ .variable = v, .lower = reach->lower[v], .upper = reach->upper[v] };
 			axis->periodic = !isfinite( axis->lower ) && !isfinite( axis->upper );
 			grid->dimension++;
 		}
@@ -75,7 +75,7 @@ static bool add_joint( const lw_reach* reach, const lwi_joint* joint, lwi_grid* 
 bool lwi_grid_describe( const lw_reach* reach, uint32_t link_a, uint32_t link_b, lwi_grid* grid )
 {
 	const lw_robot* robot = reach->robot;
-	*grid = (lwi_grid){ .link_a = link_a, .link_b = link_b };
+	*grid = ( lwi_grid ){ .link_a = link_a, .link_b = link_b };
 	uint32_t ancestor = lwi_robot_common_ancestor( robot, link_a, link_b );
 	for ( int side = 0; side < 2; ++side )
 	{
@@ -127,12 +127,12 @@ typedef struct block
 {
 	uint32_t at[LWI_GRID_AXES];
 	uint8_t level[LWI_GRID_AXES];
-	double lower;    ///< proved for all of it
-	double distance; ///< at the centre, or an estimate from above
+	double lower;        ///< proved for all of it
+	double distance;     ///< at the centre, or an estimate from above
 	lwi_nearest nearest; ///< there, or at a centre close to it
-	double motion;   ///< by how much the distance may differ elsewhere in the block
-	uint32_t widest; ///< axis along which it is to be halved; LW_INVALID_INDEX: none
-	double share;    ///< of that axis in the motion
+	double motion;       ///< by how much the distance may differ elsewhere in the block
+	uint32_t widest;     ///< axis along which it is to be halved; LW_INVALID_INDEX: none
+	double share;        ///< of that axis in the motion
 } block;
 
 typedef struct maker
@@ -140,10 +140,10 @@ typedef struct maker
 	lwi_pair_analyser* analyser;
 	lwi_grid* grid;
 	double deadline;
-	uint32_t parts; ///< of a cell, at most
+	uint32_t parts;    ///< of a cell, at most
 	double most_cut;   ///< motion within a cell over that within so many parts, about; axes get bits by their motion
 	double separation; ///< proved for all states
-	uint64_t seen; ///< blocks
+	uint64_t seen;     ///< blocks
 	bool late, cancelled;
 } maker;
 

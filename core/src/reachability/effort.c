@@ -69,7 +69,8 @@ double lwi_effort_aim( const lw_reach_pair* pair, const lwi_effort* effort )
 
 bool lwi_effort_wants_grid( const lw_reach* reach, const lw_reach_pair* pair, const lwi_effort* effort )
 {
-	bool always = reach->sample_count > 0 && effort->contacts == reach->sample_count && ( effort->flags & LWI_EFFORT_DEFAULT ) != 0;
+	bool always =
+		reach->sample_count > 0 && effort->contacts == reach->sample_count && ( effort->flags & LWI_EFFORT_DEFAULT ) != 0;
 	bool possible = ( effort->flags & LWI_EFFORT_BOUNDED ) != 0 && pair->variable_count <= LWI_GRID_AXES;
 	return possible && !always && !pair->allowed && effort->grid_rounds < GRID_ROUNDS;
 }
@@ -115,8 +116,8 @@ static void refine_grid( const effort_round* r, lwi_pair_analyser* analyser, uin
 	lwi_effort* effort = active->effort;
 	bool complete;
 	uint32_t made = r->number / ROUNDS_PER_GRID;
-	lw_status status = lwi_grid_refine( analyser, active->link_a, active->link_b, active->pair->separation, grid_bits[made], r->deadline,
-		&r->grids[index], &effort->grid_slabs, &complete );
+	lw_status status = lwi_grid_refine( analyser, active->link_a, active->link_b, active->pair->separation, grid_bits[made],
+		r->deadline, &r->grids[index], &effort->grid_slabs, &complete );
 	if ( status == LW_ERROR_OUT_OF_MEMORY )
 	{
 		atomic_store( &r->analysers->out_of_memory, true );
@@ -145,12 +146,14 @@ static void search_on( const effort_round* r, lwi_pair_analyser* analyser, const
 }
 
 /// The first round tries everything; later ones ask for a forecast before they spend cells.
-static bool is_in_reach( const effort_round* r, lwi_pair_analyser* analyser, const lwi_active* active, double fraction, uint64_t budget )
+static bool is_in_reach( const effort_round* r, lwi_pair_analyser* analyser, const lwi_active* active, double fraction,
+	uint64_t budget )
 {
 	lwi_effort* effort = active->effort;
 	if ( budget > FIRST_CELLS && effort->expected <= 0 )
 	{
-		effort->expected = lwi_pair_analyser_forecast( analyser, fraction, lwi_pair_seed( r->list, active ), &active->pair->closest, active->state );
+		effort->expected = lwi_pair_analyser_forecast( analyser, fraction, lwi_pair_seed( r->list, active ),
+			&active->pair->closest, active->state );
 	}
 	return effort->expected <= (double)IN_REACH * (double)budget && active->pair->closest > 0;
 }
@@ -164,14 +167,16 @@ static bool is_too_large( const lwi_pair_analyser* analyser, const lwi_effort* e
 }
 
 /// @return true if there may be more to do for this pair in this round
-static bool attempt( const effort_round* r, lwi_pair_analyser* analyser, const lwi_active* active, double fraction, uint64_t budget )
+static bool attempt( const effort_round* r, lwi_pair_analyser* analyser, const lwi_active* active, double fraction,
+	uint64_t budget )
 {
 	lw_reach_pair* pair = active->pair;
 	lwi_effort* effort = active->effort;
 	lwi_proof_outcome outcome = LWI_PROOF_EXHAUSTED;
 	double separation = 0;
 	effort->fraction = fraction;
-	if ( lwi_pair_analyser_subdivide( analyser, effort, budget, r->deadline, &pair->closest, active->state, &outcome, &separation ) != LW_OK )
+	if ( lwi_pair_analyser_subdivide( analyser, effort, budget, r->deadline, &pair->closest, active->state, &outcome,
+			 &separation ) != LW_OK )
 	{
 		atomic_store( &r->analysers->out_of_memory, true );
 		return false;
@@ -386,7 +391,7 @@ lw_status lwi_reach_spend( lwi_pair_analysers* analysers, const lwi_pair_list* l
 	{
 		for ( uint32_t i = 0; i < count; ++i )
 		{
-			order[i] = (ranked){ list->active[i].effort->visits, list->active[i].pair->variable_count, i };
+			order[i] = ( ranked ){ list->active[i].effort->visits, list->active[i].pair->variable_count, i };
 		}
 		qsort( order, count, sizeof( ranked ), by_use );
 		take_grids( reach, list, r.grids );

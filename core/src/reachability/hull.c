@@ -70,8 +70,11 @@ static lw_status measure_chains( const lwi_hull_plan* plan, chain* longest )
 static lw_status make_plan( const lwi_reach_job* job, lwi_hull_plan* plan )
 {
 	lw_reach* reach = job->reach;
-	*plan = (lwi_hull_plan){ .robot = reach->robot, .lower = reach->lower, .upper = reach->upper,
-		.allocator = reach->allocator, .max_points = MAX_POINTS };
+	*plan = ( lwi_hull_plan ){ .robot = reach->robot,
+		.lower = reach->lower,
+		.upper = reach->upper,
+		.allocator = reach->allocator,
+		.max_points = MAX_POINTS };
 	chain longest = { 0 };
 	lw_status status = measure_chains( plan, &longest );
 	if ( status != LW_OK )
@@ -82,7 +85,7 @@ static lw_status make_plan( const lwi_reach_job* job, lwi_hull_plan* plan )
 	{
 		reach->hull_error = longest.length > 0 ? 0.01 * longest.length : 1e-3; // nothing, or points at the root's origin
 	}
-	plan->sampling = 0.5 * reach->hull_error / ( longest.moving + 1 ); // balls and circles of the geometry take one share
+	plan->sampling = 0.5 * reach->hull_error / ( longest.moving + 1 );  // balls and circles of the geometry take one share
 	plan->reduction = 0.5 * reach->hull_error / ( longest.shares + 1 ); // one share for the geometry
 	return LW_OK;
 }
@@ -96,7 +99,8 @@ static lw_status fail( const lwi_reach_job* job, lw_status status )
 	}
 	if ( status == LW_ERROR_CANCELLED )
 	{
-		return lwi_fail( job->diag, status, LW_INVALID_INDEX, "given up by the progress callback while motion hulls were built" );
+		return lwi_fail( job->diag, status, LW_INVALID_INDEX,
+			"given up by the progress callback while motion hulls were built" );
 	}
 	return status == LW_ERROR_OUT_OF_MEMORY ? lwi_out_of_memory( job->diag, "motion hulls" ) : status;
 }
@@ -108,8 +112,8 @@ typedef struct builder
 {
 	const lwi_reach_job* job;
 	lwi_hull_plan plan;
-	lwi_hull* m; ///< [link_count]
-	uint32_t* tier; ///< links that are built now
+	lwi_hull* m;       ///< [link_count]
+	uint32_t* tier;    ///< links that are built now
 	lw_status* status; ///< [link_count]
 } builder;
 

@@ -32,9 +32,9 @@ typedef struct work
 	const lw_robot* robot;
 	lwi_pair_analysers analysers;
 	lwi_pair_list list;
-	double begin, seconds;      ///< INFINITY: no limit
-	uint32_t* geometry_parent;  ///< [link_count] nearest link above that has geometry, or LW_INVALID_INDEX
-	bool* has_geometry;         ///< [link_count]
+	double begin, seconds;     ///< INFINITY: no limit
+	uint32_t* geometry_parent; ///< [link_count] nearest link above that has geometry, or LW_INVALID_INDEX
+	bool* has_geometry;        ///< [link_count]
 } work;
 
 /// @param share of the time after which it is too late
@@ -106,7 +106,8 @@ static lw_status list_pairs( work* w )
 	reach->evidence = lwi_alloc_zero( &reach->allocator, (size_t)count * reach->variable_count, sizeof( double ) );
 	reach->efforts = lwi_alloc_zero( &reach->allocator, count, sizeof( lwi_effort ) );
 	reach->evidence_count = reach->evidence != NULL && reach->efforts != NULL ? count : 0;
-	lwi_pair_analyser* analyser = reach->evidence != NULL && reach->efforts != NULL ? lwi_pair_analysers_take( &w->analysers ) : NULL;
+	lwi_pair_analyser* analyser =
+		reach->evidence != NULL && reach->efforts != NULL ? lwi_pair_analysers_take( &w->analysers ) : NULL;
 	if ( analyser == NULL )
 	{
 		lwi_free( &reach->allocator, reach->evidence, (size_t)count * reach->variable_count * sizeof( double ) );
@@ -152,7 +153,7 @@ static lw_status fill_list( work* w )
 			uint32_t i = reach->states[index];
 			if ( i != LW_INVALID_INDEX )
 			{
-				w->list.active[i] = (lwi_active){ a, b, &reach->pairs[index], &reach->efforts[i],
+				w->list.active[i] = ( lwi_active ){ a, b, &reach->pairs[index], &reach->efforts[i],
 					reach->evidence + (size_t)i * reach->variable_count };
 			}
 		}
@@ -282,7 +283,7 @@ static void measure_default( work* w, lwi_pair_analyser* analyser, lw_transform*
 {
 	for ( uint32_t i = 0; i < w->list.count; ++i )
 	{
-		seen[i] = (sighting){ .closest = INFINITY, .sample = LW_INVALID_INDEX };
+		seen[i] = ( sighting ){ .closest = INFINITY, .sample = LW_INVALID_INDEX };
 	}
 	lw_robot_default_state( w->robot, analyser->state );
 	measure_state( w, analyser, poses, 0, seen );
@@ -314,7 +315,7 @@ static lw_status measure_batches( work* w, batch* b, lwi_pair_analyser* analyser
 		b->parts = SAMPLE_TASKS;
 		for ( uint32_t k = 0; k < b->parts * w->list.count; ++k )
 		{
-			b->seen[k] = (sighting){ w->list.active[k % w->list.count].pair->closest, LW_INVALID_INDEX, 0, 0 };
+			b->seen[k] = ( sighting ){ w->list.active[k % w->list.count].pair->closest, LW_INVALID_INDEX, 0, 0 };
 		}
 		lw_status status = lwi_reach_run( w->job, measure_part, b, b->parts );
 		if ( status != LW_OK || atomic_load( &w->analysers.out_of_memory ) )
@@ -363,12 +364,12 @@ typedef struct sweep
 {
 	work* w;
 	lwi_sweeps* sweeps;
-	uint32_t* level;     ///< [link_count] up to which the link's hulls are wanted
-	uint32_t* links;     ///< [link_count] that are swept now
+	uint32_t* level; ///< [link_count] up to which the link's hulls are wanted
+	uint32_t* links; ///< [link_count] that are swept now
 	uint32_t link_count;
-	uint32_t* pairs;     ///< [list.count] that are compared then
+	uint32_t* pairs; ///< [list.count] that are compared then
 	uint32_t pair_count;
-	bool* listed;        ///< [link_count]
+	bool* listed; ///< [link_count]
 	atomic_bool failed;
 } sweep;
 
@@ -493,7 +494,8 @@ static lw_status prove_by_hulls( work* w )
 static bool wants_search( const lwi_active* active )
 {
 	const uint32_t both = LWI_EFFORT_SEARCH | LWI_EFFORT_HULLS;
-	return active->pair->closest > 0 && active->pair->separation <= 0 && ( active->effort->flags & both ) == LWI_EFFORT_HULLS;
+	return active->pair->closest > 0 && active->pair->separation <= 0 &&
+		   ( active->effort->flags & both ) == LWI_EFFORT_HULLS;
 }
 
 static void search_pair( void* context, uint32_t index )
@@ -505,8 +507,8 @@ static void search_pair( void* context, uint32_t index )
 	if ( analyser != NULL )
 	{
 		lwi_pair_analyser_select( analyser, active->link_a, active->link_b );
-		lwi_pair_analyser_search( analyser, lwi_pair_seed( &w->list, active ), SEARCH_PER_VARIABLE * ( active->pair->variable_count + 1 ),
-			&active->pair->closest, active->state );
+		lwi_pair_analyser_search( analyser, lwi_pair_seed( &w->list, active ),
+			SEARCH_PER_VARIABLE * ( active->pair->variable_count + 1 ), &active->pair->closest, active->state );
 		active->effort->flags |= (uint32_t)LWI_EFFORT_SEARCH;
 		lwi_pair_analysers_give( &w->analysers, analyser );
 	}
@@ -567,11 +569,11 @@ static void classify( const work* w, const lwi_active* active )
 	pair->proof = pair->separation > 0 ? pair->proof : LW_PROOF_NONE;
 	bool at_default = ( active->effort->flags & LWI_EFFORT_DEFAULT ) != 0;
 	bool always = samples > 0 && active->effort->contacts == samples && at_default && pair->closest <= 0;
-	pair->kind = pair->adjacent           ? LW_PAIR_ADJACENT
-				 : pair->allowed          ? LW_PAIR_ALLOWED
-				 : pair->separation > 0   ? LW_PAIR_NEVER
-				 : always                 ? LW_PAIR_ALWAYS
-										  : LW_PAIR_CHECK;
+	pair->kind = pair->adjacent         ? LW_PAIR_ADJACENT
+				 : pair->allowed        ? LW_PAIR_ALLOWED
+				 : pair->separation > 0 ? LW_PAIR_NEVER
+				 : always               ? LW_PAIR_ALWAYS
+										: LW_PAIR_CHECK;
 }
 
 static void finish_pair( void* context, uint32_t index )

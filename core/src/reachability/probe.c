@@ -294,7 +294,8 @@ static lw_transform a_from_b( const lw_transform* poses, const lw_body_def* a, c
 }
 
 /// Offers the distance of the pair that was nearest in another state to the bound.
-static void measure_nearest( lwi_pair_analyser* p, const lw_transform* poses, const uint32_t first[2], const lwi_nearest* nearest, lwi_bound* bound )
+static void measure_nearest( lwi_pair_analyser* p, const lw_transform* poses, const uint32_t first[2],
+	const lwi_nearest* nearest, lwi_bound* bound )
 {
 	const lw_body_def* a = &p->robot->bodies[p->body_order[first[0] + nearest->body_a]];
 	const lw_body_def* b = &p->robot->bodies[p->body_order[first[1] + nearest->body_b]];
@@ -306,7 +307,8 @@ void lwi_pair_analyser_measure_links( lwi_pair_analyser* p, const lw_transform* 
 	const lw_range* range, lwi_nearest* nearest, lwi_bound* bound )
 {
 	const lw_robot* robot = p->robot;
-	const uint32_t first[2] = { p->first_body[link_a], p->first_body[link_b] }, count_b = p->first_body[link_b + 1] - first[1];
+	const uint32_t first[2] = { p->first_body[link_a], p->first_body[link_b] },
+				   count_b = p->first_body[link_b + 1] - first[1];
 	lwi_bound_init( bound, range );
 	if ( nearest != NULL && nearest->known )
 	{
@@ -336,7 +338,8 @@ void lwi_pair_analyser_measure_links( lwi_pair_analyser* p, const lw_transform* 
 	}
 	if ( nearest != NULL && bound->upper < INFINITY )
 	{
-		*nearest = (lwi_nearest){ true, bound->pair / count_b, bound->pair % count_b, bound->triangle_a, bound->triangle_b };
+		*nearest =
+			( lwi_nearest ){ true, bound->pair / count_b, bound->pair % count_b, bound->triangle_a, bound->triangle_b };
 	}
 }
 
@@ -370,7 +373,8 @@ static void random_quaternion( uint64_t* random, double q[4] )
 	q[3] = sqrt( u ) * of_b.c;
 }
 
-void lwi_pair_analyser_random_state( const lwi_pair_analyser* p, uint64_t* random, const uint32_t* variables, uint32_t count, double* q )
+void lwi_pair_analyser_random_state( const lwi_pair_analyser* p, uint64_t* random, const uint32_t* variables, uint32_t count,
+	double* q )
 {
 	for ( uint32_t i = 0; i < count; ++i )
 	{

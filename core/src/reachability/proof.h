@@ -36,27 +36,27 @@ typedef struct lwi_pair_analyser
 	// the selected pair
 	uint32_t link_a, link_b, ancestor;
 	uint32_t chain_count;
-	uint32_t* chain;      ///< links below the ancestor on the ways to both, parents first
+	uint32_t* chain; ///< links below the ancestor on the ways to both, parents first
 	uint32_t way_count, way_up;
-	uint32_t* way_a;      ///< joints that move, from a to b; the first way_up lead upwards
-	uint32_t* way_b;      ///< the same from b to a
+	uint32_t* way_a; ///< joints that move, from a to b; the first way_up lead upwards
+	uint32_t* way_b; ///< the same from b to a
 	uint32_t variable_count;
-	uint32_t* variables;  ///< that move the two against each other, ascending
-	bool bounded;         ///< `lower` and `upper` are finite and no floating joint is in between: can be subdivided
-	double* lower;        ///< [robot variable_count] of `variables`: the range to be proved, one turn where it is endless
+	uint32_t* variables; ///< that move the two against each other, ascending
+	bool bounded;        ///< `lower` and `upper` are finite and no floating joint is in between: can be subdivided
+	double* lower;       ///< [robot variable_count] of `variables`: the range to be proved, one turn where it is endless
 	double* upper;
-	double rounding;      ///< metres, of both links' poses over the whole box
+	double rounding; ///< metres, of both links' poses over the whole box
 
-	lw_transform* poses;  ///< [link_count] of the chain, in the ancestor's frame
-	double* state;        ///< [variable_count] each of the following
+	lw_transform* poses; ///< [link_count] of the chain, in the ancestor's frame
+	double* state;       ///< [variable_count] each of the following
 	double* best;
 	double* trial;
 	double* previous;
 	double* half_width;
 	double* shares;
-	double* lengths_a;    ///< [joint_count + 1]
+	double* lengths_a; ///< [joint_count + 1]
 	double* lengths_b;
-	double* cells;        ///< stack of the subdivision: [LWI_CELL_DEPTH + 1][2 * variable_count + 1]
+	double* cells; ///< stack of the subdivision: [LWI_CELL_DEPTH + 1][2 * variable_count + 1]
 } lwi_pair_analyser;
 
 lw_status lwi_pair_analyser_create( const lwi_reach_job* job, lwi_pair_analyser** out_analyser );
@@ -85,8 +85,8 @@ void lwi_pair_analysers_free( lwi_pair_analysers* analysers );
 
 /// Distance of two links whose poses are known, in one frame. @param nearest is measured first, if known, and becomes the
 /// nearest pair found, if any; may be NULL
-void lwi_pair_analyser_measure_links( lwi_pair_analyser* analyser, const lw_transform* poses, uint32_t link_a, uint32_t link_b,
-	const lw_range* range, lwi_nearest* nearest, lwi_bound* out_bound );
+void lwi_pair_analyser_measure_links( lwi_pair_analyser* analyser, const lw_transform* poses, uint32_t link_a,
+	uint32_t link_b, const lw_range* range, lwi_nearest* nearest, lwi_bound* out_bound );
 
 /// Puts the chain of the selected pair at q (full state) into `poses`. False for a zero quaternion.
 bool lwi_pair_analyser_pose( lwi_pair_analyser* analyser, const double* q );
@@ -112,8 +112,8 @@ static inline double lwi_random_in( uint64_t* state, double lower, double upper 
 }
 
 /// Fills the listed variables of q (all if the list is NULL) at random; quaternions as a whole, uniform over rotations.
-void lwi_pair_analyser_random_state( const lwi_pair_analyser* analyser, uint64_t* random, const uint32_t* variables, uint32_t count,
-	double* q );
+void lwi_pair_analyser_random_state( const lwi_pair_analyser* analyser, uint64_t* random, const uint32_t* variables,
+	uint32_t count, double* q );
 
 // --- reachability/search.c --------------------------------------------------------------------------------------------------
 
@@ -151,8 +151,8 @@ double lwi_pair_analyser_forecast( lwi_pair_analyser* analyser, double fraction,
 /// met.
 /// @param out_separation proved; 0 unless the outcome is PROVED
 /// @return LW_OK, LW_ERROR_OUT_OF_MEMORY (open cells stay open)
-lw_status lwi_pair_analyser_subdivide( lwi_pair_analyser* analyser, lwi_effort* effort, uint64_t budget, double deadline, double* closest,
-	double* q, lwi_proof_outcome* out_outcome, double* out_separation );
+lw_status lwi_pair_analyser_subdivide( lwi_pair_analyser* analyser, lwi_effort* effort, uint64_t budget, double deadline,
+	double* closest, double* q, lwi_proof_outcome* out_outcome, double* out_separation );
 
 /// Share of the box, by volume, that the current subdivision has left open.
 double lwi_effort_open_share( const lwi_pair_analyser* analyser, const lwi_effort* effort );

@@ -364,7 +364,7 @@ static double prove( hull_work* w )
 		}
 		if ( bound > floor )
 		{
-			w->rests[rest_count++] = (hull_rest){ bound, i };
+			w->rests[rest_count++] = ( hull_rest ){ bound, i };
 		}
 	}
 	qsort( w->rests, rest_count, sizeof( hull_rest ), by_bound );

@@ -12,7 +12,7 @@ enum
 
 lw_reach_def lw_reach_def_default( void )
 {
-	return (lw_reach_def){ .limit_margin = 1e-4, .seconds = 20, .samples = 2000, .seed = 1, .cookie = REACH_COOKIE };
+	return ( lw_reach_def ){ .limit_margin = 1e-4, .seconds = 20, .samples = 2000, .seed = 1, .cookie = REACH_COOKIE };
 }
 
 // ---- validation ------------------------------------------------------------------------------------------------------
@@ -81,7 +81,8 @@ lw_status lwi_reach_allocate( lw_reach* reach, lw_diag* diag )
 	reach->links = lwi_alloc_zero( memory, reach->link_count, sizeof( lwi_reach_link ) );
 	reach->pairs = lwi_alloc_zero( memory, pairs, sizeof( lw_reach_pair ) );
 	reach->states = lwi_alloc_zero( memory, pairs, sizeof( uint32_t ) );
-	if ( reach->lower == NULL || reach->upper == NULL || reach->links == NULL || reach->pairs == NULL || reach->states == NULL )
+	if ( reach->lower == NULL || reach->upper == NULL || reach->links == NULL || reach->pairs == NULL ||
+		 reach->states == NULL )
 	{
 		return lwi_out_of_memory( diag, "a reach" );
 	}
@@ -247,7 +248,9 @@ static bool copy_contents( const lw_reach* from, lw_reach* to )
 	to->points = copy_of( memory, from->points, 3 * from->point_count * sizeof( double ) );
 	to->point_count = to->points != NULL ? from->point_count : 0;
 	bool complete = copy_efforts( from, to );
-	to->evidence = !complete ? NULL : copy_of( memory, from->evidence, (size_t)from->evidence_count * from->variable_count * sizeof( double ) );
+	to->evidence = !complete ? NULL
+							 : copy_of( memory, from->evidence,
+								   (size_t)from->evidence_count * from->variable_count * sizeof( double ) );
 	return complete && ( to->points != NULL || from->points == NULL ) && ( to->evidence != NULL || from->evidence == NULL );
 }
 
@@ -256,7 +259,8 @@ lw_status lw_reach_continue( const lw_reach* reach, const lw_reach_def* def, con
 {
 	if ( out_reach == NULL || reach == NULL )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "%s is NULL", reach == NULL ? "reach" : "out_reach" );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "%s is NULL",
+			reach == NULL ? "reach" : "out_reach" );
 	}
 	*out_reach = NULL;
 	lw_status status = check_def( def, diag );
@@ -309,7 +313,9 @@ static bool is_open( const lw_reach* reach, const lw_reach_pair* pair, const lwi
 
 lw_reach_info lw_reach_get_info( const lw_reach* reach )
 {
-	lw_reach_info info = { .grids = reach->grid_count, .samples = reach->sample_count, .seed = reach->seed,
+	lw_reach_info info = { .grids = reach->grid_count,
+		.samples = reach->sample_count,
+		.seed = reach->seed,
 		.seconds = reach->seconds };
 	info.complete = reach->sample_count > 0;
 	for ( size_t i = 0; i < pair_count( reach ); ++i )
@@ -388,20 +394,20 @@ const char* lw_pair_class_name( lw_pair_class kind )
 {
 	switch ( kind )
 	{
-		case LW_PAIR_NONE:
-			return "none";
-		case LW_PAIR_RIGID:
-			return "rigid";
-		case LW_PAIR_ADJACENT:
-			return "adjacent";
-		case LW_PAIR_ALLOWED:
-			return "allowed";
-		case LW_PAIR_NEVER:
-			return "never";
-		case LW_PAIR_ALWAYS:
-			return "always";
-		case LW_PAIR_CHECK:
-			return "check";
+	case LW_PAIR_NONE:
+		return "none";
+	case LW_PAIR_RIGID:
+		return "rigid";
+	case LW_PAIR_ADJACENT:
+		return "adjacent";
+	case LW_PAIR_ALLOWED:
+		return "allowed";
+	case LW_PAIR_NEVER:
+		return "never";
+	case LW_PAIR_ALWAYS:
+		return "always";
+	case LW_PAIR_CHECK:
+		return "check";
 	}
 	return "unknown class";
 }
@@ -410,12 +416,12 @@ const char* lw_pair_proof_name( lw_pair_proof proof )
 {
 	switch ( proof )
 	{
-		case LW_PROOF_NONE:
-			return "none";
-		case LW_PROOF_HULL:
-			return "hull";
-		case LW_PROOF_SUBDIVISION:
-			return "subdivision";
+	case LW_PROOF_NONE:
+		return "none";
+	case LW_PROOF_HULL:
+		return "hull";
+	case LW_PROOF_SUBDIVISION:
+		return "subdivision";
 	}
 	return "unknown proof";
 }
@@ -424,11 +430,11 @@ lw_reach_pair lw_reach_get_pair( const lw_reach* reach, uint32_t link_a, uint32_
 {
 	if ( link_a >= reach->link_count || link_b >= reach->link_count )
 	{
-		return (lw_reach_pair){ .kind = LW_PAIR_CHECK, .closest = INFINITY }; // no data
+		return ( lw_reach_pair ){ .kind = LW_PAIR_CHECK, .closest = INFINITY }; // no data
 	}
 	if ( link_a == link_b )
 	{
-		return (lw_reach_pair){ .kind = LW_PAIR_NONE, .closest = INFINITY };
+		return ( lw_reach_pair ){ .kind = LW_PAIR_NONE, .closest = INFINITY };
 	}
 	return reach->pairs[lwi_reach_pair_index( link_a, link_b )];
 }

@@ -19,14 +19,14 @@ typedef struct lwi_reach_link
 
 enum
 {
-	LWI_EFFORT_BOUNDED = 1,  ///< a proof by subdivision can be tried
-	LWI_EFFORT_HULLS = 2,    ///< the hulls of both links' motion were compared
-	LWI_EFFORT_SEARCH = 4,   ///< contact was searched for
-	LWI_EFFORT_DEFAULT = 8,  ///< in contact at the default state
+	LWI_EFFORT_BOUNDED = 1,   ///< a proof by subdivision can be tried
+	LWI_EFFORT_HULLS = 2,     ///< the hulls of both links' motion were compared
+	LWI_EFFORT_SEARCH = 4,    ///< contact was searched for
+	LWI_EFFORT_DEFAULT = 8,   ///< in contact at the default state
 	LWI_EFFORT_HOPELESS = 16, ///< in contact inside the margin around the limits
 	LWI_EFFORT_TOO_MANY = 32, ///< the current aim takes too many cells
-	LWI_EFFORT_FLAGS = 64,   ///< above all of them
-	LWI_CELL_DEPTH = 300     ///< cuts above each other; 43 halvings bring a full turn below 1e-12 rad
+	LWI_EFFORT_FLAGS = 64,    ///< above all of them
+	LWI_CELL_DEPTH = 300      ///< cuts above each other; 43 halvings bring a full turn below 1e-12 rad
 };
 
 /// The work done for a pair that moves, and its open cells: proofs continue from here.
@@ -37,12 +37,12 @@ typedef struct lwi_effort
 	uint32_t visits;   ///< random states in which bounding spheres met: where queries may have to search the pair
 	uint32_t grid_rounds, grid_slabs; ///< grids made, and parts of the one under way (reachability/clearance_grid.c)
 	// the subdivision under way (reachability/subdivide.c)
-	uint64_t cells;    ///< measured for the current aim
-	double expected;   ///< cells that the aim takes, by forecast; 0 = not known
-	double fraction;   ///< of the least distance, aimed at; 0 = none is under way
+	uint64_t cells;  ///< measured for the current aim
+	double expected; ///< cells that the aim takes, by forecast; 0 = not known
+	double fraction; ///< of the least distance, aimed at; 0 = none is under way
 	double target, least;
-	uint32_t height;   ///< open cells
-	double* open;      ///< [height][2 * variable_count + 1]
+	uint32_t height; ///< open cells
+	double* open;    ///< [height][2 * variable_count + 1]
 } lwi_effort;
 
 struct lw_reach
@@ -51,20 +51,20 @@ struct lw_reach
 	lw_allocator allocator;
 	lw_robot* robot;
 	uint32_t link_count, variable_count;
-	double hull_error, limit_margin;   ///< as used
-	double* lower;         ///< [variable_count] limits widened; infinite if there are none
+	double hull_error, limit_margin; ///< as used
+	double* lower;                   ///< [variable_count] limits widened; infinite if there are none
 	double* upper;
 	lwi_reach_link* links; ///< [link_count]
 	size_t point_count;
-	double* points;        ///< [point_count][3] M hulls
-	lw_reach_pair* pairs;  ///< [link_count * ( link_count - 1 ) / 2], see lwi_reach_pair_index()
-	uint32_t* states;      ///< the same shape: index of the evidence in `evidence`, or LW_INVALID_INDEX
+	double* points;       ///< [point_count][3] M hulls
+	lw_reach_pair* pairs; ///< [link_count * ( link_count - 1 ) / 2], see lwi_reach_pair_index()
+	uint32_t* states;     ///< the same shape: index of the evidence in `evidence`, or LW_INVALID_INDEX
 	uint32_t evidence_count;
 	double* evidence;      ///< [evidence_count][variable_count]
 	lwi_effort* efforts;   ///< [evidence_count]: there is evidence, found or not, of each pair that moves
 	uint32_t sample_count; ///< random states measured, those of `seed`
 	uint64_t seed;
-	double seconds;        ///< spent on pairs
+	double seconds; ///< spent on pairs
 	uint32_t grid_count, grid_capacity;
 	lwi_grid* grids; ///< [grid_count] by lwi_reach_pair_index(), ascending; each owns its cells
 };
@@ -103,10 +103,10 @@ static inline size_t lwi_effort_bytes( const lwi_effort* effort, uint32_t variab
 typedef struct lwi_reach_stage
 {
 	const char* name;
-	double begin, seconds;     ///< a stage with a time budget; seconds = 0: without
-	uint32_t count;            ///< steps of a stage without one
-	LWI_ATOMIC( unsigned ) done;          ///< steps
-	LWI_ATOMIC( bool ) reporting;     ///< one thread is about to report
+	double begin, seconds;        ///< a stage with a time budget; seconds = 0: without
+	uint32_t count;               ///< steps of a stage without one
+	LWI_ATOMIC( unsigned ) done;  ///< steps
+	LWI_ATOMIC( bool ) reporting; ///< one thread is about to report
 	LWI_ATOMIC( bool ) cancelled;
 	LWI_ATOMIC( double ) last_report;
 } lwi_reach_stage;

@@ -140,7 +140,7 @@ void lwi_pair_analyser_search( lwi_pair_analyser* p, uint64_t seed, uint32_t bud
 {
 	uint64_t random = seed;
 	uint32_t used = 0;
-	for ( uint32_t start = 0; used < budget && *closest > 0; ++start )
+	for ( uint32_t start = 0; used<budget&& * closest> 0; ++start )
 	{
 		// a third for the state that is known, the rest for restarts
 		descent d = { p, *closest, 0, ( budget + 2 ) / 3 };

@@ -102,8 +102,7 @@ double lwi_pair_analyser_cell_motion( lwi_pair_analyser* p )
 	{
 		bool moves_a = k < from;
 		uint32_t m = n - 1 - k; // the same joint seen from b
-		add_share( p, p->way_a[k],
-			moves_a ? p->lengths_a[k + 1] - p->lengths_a[k] : p->lengths_b[m + 1] - p->lengths_b[m] );
+		add_share( p, p->way_a[k], moves_a ? p->lengths_a[k + 1] - p->lengths_a[k] : p->lengths_b[m + 1] - p->lengths_b[m] );
 	}
 	return ( p->lengths_a[from] + p->lengths_b[n - from] ) * ( 1 + 4 * LWI_U64 );
 }
@@ -211,8 +210,14 @@ static void begin( subdivision* s )
 static subdivision make( lwi_pair_analyser* p, double fraction, double* closest, double* q )
 {
 	assert( p->bounded && fraction > 0 && fraction < 1 );
-	return (subdivision){ .analyser = p, .target = fraction * *closest, .least = *closest, .fraction = fraction,
-		.dimension = p->variable_count, .stride = 2 * p->variable_count + 1, .closest = closest, .q = q };
+	return ( subdivision ){ .analyser = p,
+		.target = fraction * *closest,
+		.least = *closest,
+		.fraction = fraction,
+		.dimension = p->variable_count,
+		.stride = 2 * p->variable_count + 1,
+		.closest = closest,
+		.q = q };
 }
 
 /// Cells of a tree that is like the one way down it which `random` takes: at each depth twice as many as at the one above.
@@ -353,8 +358,8 @@ static lwi_proof_outcome work_off( subdivision* s, lwi_effort* effort, uint64_t 
 	return LWI_PROOF_PROVED;
 }
 
-lw_status lwi_pair_analyser_subdivide( lwi_pair_analyser* p, lwi_effort* effort, uint64_t budget, double deadline, double* closest, double* q,
-	lwi_proof_outcome* out_outcome, double* out_separation )
+lw_status lwi_pair_analyser_subdivide( lwi_pair_analyser* p, lwi_effort* effort, uint64_t budget, double deadline,
+	double* closest, double* q, lwi_proof_outcome* out_outcome, double* out_separation )
 {
 	subdivision s = resume( p, effort, closest, q );
 	lwi_proof_outcome outcome = work_off( &s, effort, budget, deadline );

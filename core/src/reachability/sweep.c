@@ -46,7 +46,7 @@ enum
 void lwi_hull_free( const lwi_hull_plan* plan, lwi_hull* hull )
 {
 	lwi_free( &plan->allocator, hull->points, 3 * hull->capacity * sizeof( double ) );
-	*hull = (lwi_hull){ 0 };
+	*hull = ( lwi_hull ){ 0 };
 }
 
 /// Room for `more` points.
@@ -123,7 +123,8 @@ lw_status lwi_hull_reduce( const lwi_hull_plan* plan, double share, lwi_hull* hu
 	{
 		radius = fmax( radius, lwi_distance( point_of( hull, 0 ), point_of( hull, i ) ) );
 	}
-	double tolerance = share * lwi_clamp( plan->reduction, LEAST_REDUCTION_SHARE * radius, REDUCTION_SHARE * radius ), outside;
+	double tolerance = share * lwi_clamp( plan->reduction, LEAST_REDUCTION_SHARE * radius, REDUCTION_SHARE * radius ),
+		   outside;
 	lw_status status =
 		lwi_reduce_points( hull->points, &hull->count, tolerance, plan->max_points, &plan->allocator, &outside );
 	if ( status == LW_OK )
@@ -369,8 +370,8 @@ lw_status lwi_hull_of_link( const lwi_hull_plan* plan, uint32_t link, lwi_hull* 
 		}
 		const lw_shape* shape = lwi_shape_now( body->shape );
 		extent = fmax( extent, body_extent( body ) );
-		status = shape->radii != NULL           ? add_balls( plan, shape, &body->link_from_shape, out )
-				 : !shape->primitive                ? add_soup( plan, shape, &body->link_from_shape, out )
+		status = shape->radii != NULL          ? add_balls( plan, shape, &body->link_from_shape, out )
+				 : !shape->primitive           ? add_soup( plan, shape, &body->link_from_shape, out )
 				 : shape->type == LW_SHAPE_BOX ? add_box( plan, shape, &body->link_from_shape, out )
 											   : add_round( plan, shape, &body->link_from_shape, out );
 	}
@@ -459,7 +460,7 @@ static turn_steps steps_of( lwi_joint_range range, double radius, double error )
 	}
 	double count = ceil( width / step );
 	uint32_t steps = count < 1 ? 1u : count > 100000 ? 100000u : (uint32_t)count;
-	return (turn_steps){ steps, !full, width / steps };
+	return ( turn_steps ){ steps, !full, width / steps };
 }
 
 static size_t copies_of( turn_steps t )
@@ -609,7 +610,7 @@ static int shifts_of( const lwi_hull_plan* plan, const lwi_joint* joint, lw_vec3
 		{
 			directions[k] = lwi_load( joint->plane[k] );
 		}
-		ranges[k] = (lwi_joint_range){ plan->lower[variable], plan->upper[variable] };
+		ranges[k] = ( lwi_joint_range ){ plan->lower[variable], plan->upper[variable] };
 	}
 	return count;
 }
@@ -631,20 +632,20 @@ static lw_status sweep_joint( const lwi_hull_plan* plan, const lwi_joint* joint,
 	}
 	switch ( joint->type )
 	{
-		case LW_JOINT_FIXED:
-		case LW_JOINT_PRISMATIC:
-			status = lwi_hull_add( plan, out, in );
-			break;
-		case LW_JOINT_REVOLUTE:
-		case LW_JOINT_CONTINUOUS:
-			status = sweep_turn( plan, joint, lwi_joint_value_range( plan, joint ), in, out );
-			break;
-		case LW_JOINT_PLANAR:
-			status = sweep_turn( plan, joint, (lwi_joint_range){ -INFINITY, INFINITY }, in, out );
-			break;
-		case LW_JOINT_FLOATING:
-			status = sweep_all_turns( plan, in, out );
-			break;
+	case LW_JOINT_FIXED:
+	case LW_JOINT_PRISMATIC:
+		status = lwi_hull_add( plan, out, in );
+		break;
+	case LW_JOINT_REVOLUTE:
+	case LW_JOINT_CONTINUOUS:
+		status = sweep_turn( plan, joint, lwi_joint_value_range( plan, joint ), in, out );
+		break;
+	case LW_JOINT_PLANAR:
+		status = sweep_turn( plan, joint, ( lwi_joint_range ){ -INFINITY, INFINITY }, in, out );
+		break;
+	case LW_JOINT_FLOATING:
+		status = sweep_all_turns( plan, in, out );
+		break;
 	}
 	return status == LW_OK ? sweep_shifts( plan, directions, ranges, shifts, out ) : status;
 }

@@ -137,7 +137,7 @@ bool lw_robot_pair_allowed( const lw_robot* robot, uint32_t link_a, uint32_t lin
 	}
 	size_t bit = (size_t)link_a * robot->link_count + link_b;
 	return robot->rigid_group[link_a] == robot->rigid_group[link_b] ||
-		( ( robot->allowed[bit / 32] >> ( bit % 32 ) ) & 1u ) != 0;
+		   ( ( robot->allowed[bit / 32] >> ( bit % 32 ) ) & 1u ) != 0;
 }
 
 const uint32_t* lwi_robot_link_order( const lw_robot* robot )

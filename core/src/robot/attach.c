@@ -19,7 +19,7 @@ static const char joint_suffix[] = "/attached";
 
 lw_attachment_def lw_attachment_def_default( void )
 {
-	return (lw_attachment_def){ .link = LW_INVALID_INDEX, .cookie = ATTACHMENT_COOKIE };
+	return ( lw_attachment_def ){ .link = LW_INVALID_INDEX, .cookie = ATTACHMENT_COOKIE };
 }
 
 static const lw_robot* bare_of( const lw_robot* robot )
@@ -65,8 +65,8 @@ static lw_status check_attachment( const lw_robot* robot, const lw_attachment_de
 		if ( is_attached_joint_of( robot->joint_names[i], def->name ) )
 		{
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-				"'%.80s' cannot be attached: a joint of robot '%.60s' is named '%.80s'; rename the object", def->name, robot->name,
-				robot->joint_names[i] );
+				"'%.80s' cannot be attached: a joint of robot '%.60s' is named '%.80s'; rename the object", def->name,
+				robot->name, robot->joint_names[i] );
 		}
 	}
 	if ( def->link >= robot->link_count )
@@ -161,7 +161,7 @@ static void add_link( lw_robot* to, const lw_attachment_def* def, char** text )
 	--*text; // the suffix follows at once
 	lwi_append_text( text, joint_suffix );
 	to->link_joint[link] = joint;
-	to->joints[joint] = (lwi_joint){
+	to->joints[joint] = ( lwi_joint ){
 		.type = LW_JOINT_FIXED,
 		.constant = true,
 		.pure_translation = true,
@@ -208,7 +208,8 @@ lw_status lw_robot_attach( const lw_robot* robot, const lw_attachment_def* def, 
 {
 	if ( out_robot == NULL || robot == NULL )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "%s is NULL", robot == NULL ? "robot" : "out_robot" );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "%s is NULL",
+			robot == NULL ? "robot" : "out_robot" );
 	}
 	*out_robot = NULL;
 	if ( def == NULL || def->cookie != ATTACHMENT_COOKIE )
@@ -245,14 +246,16 @@ lw_status lw_robot_detach( const lw_robot* robot, const char* name, const lw_all
 	if ( out_robot == NULL || robot == NULL || name == NULL )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "%s is NULL",
-			robot == NULL ? "robot" : name == NULL ? "name" : "out_robot" );
+			robot == NULL  ? "robot"
+			: name == NULL ? "name"
+						   : "out_robot" );
 	}
 	*out_robot = NULL;
 	uint32_t link = lw_robot_find_link( robot, name );
 	if ( link == LW_INVALID_INDEX || !lw_robot_is_attached( robot, link ) )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "'%.80s' cannot be detached: %s robot '%.60s'", name,
-			link == LW_INVALID_INDEX ? "nothing of this name is attached to" : "it is a link of", robot->name );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "'%.80s' cannot be detached: %s robot '%.60s'",
+			name, link == LW_INVALID_INDEX ? "nothing of this name is attached to" : "it is a link of", robot->name );
 	}
 	for ( uint32_t i = 0; i < robot->joint_count; ++i )
 	{

@@ -27,7 +27,7 @@ static lw_digest add_variable( lw_digest d, const lw_variable_info* variable )
 lw_digest lw_robot_digest( const lw_robot* robot )
 {
 	const uint32_t counts[] = { robot->link_count, robot->joint_count, robot->body_count, robot->variable_count };
-	lw_digest d = lwi_digest_indices( (lw_digest){ { 0, 0 } }, counts, 4 );
+	lw_digest d = lwi_digest_indices( ( lw_digest ){ { 0, 0 } }, counts, 4 );
 	d = lwi_digest_transform( d, &robot->world_from_root );
 	for ( uint32_t i = 0; i < robot->joint_count; ++i )
 	{

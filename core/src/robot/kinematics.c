@@ -23,8 +23,8 @@ static void turn_general( lw_transform* m, const double axis[3], double c, doubl
 {
 	double x = axis[0], y = axis[1], z = axis[2], d = 1 - c;
 	lw_transform rotation = { { { c + d * x * x, d * x * y - s * z, d * x * z + s * y },
-							  { d * x * y + s * z, c + d * y * y, d * y * z - s * x },
-							  { d * x * z - s * y, d * y * z + s * x, c + d * z * z } },
+								  { d * x * y + s * z, c + d * y * y, d * y * z - s * x },
+								  { d * x * z - s * y, d * y * z + s * x, c + d * z * z } },
 		{ 0, 0, 0 } };
 	*m = lwi_multiply( m, &rotation );
 }
@@ -35,18 +35,18 @@ static void rotate( const lwi_joint* joint, lwi_sincos by, lw_transform* m )
 	double c = by.c, s = joint->axis_sign * by.s;
 	switch ( joint->axis_kind )
 	{
-		case LWI_AXIS_X:
-			turn_columns( m, 1, 2, c, s );
-			break;
-		case LWI_AXIS_Y:
-			turn_columns( m, 2, 0, c, s );
-			break;
-		case LWI_AXIS_Z:
-			turn_columns( m, 0, 1, c, s );
-			break;
-		case LWI_AXIS_GENERAL:
-			turn_general( m, joint->axis, c, s );
-			break;
+	case LWI_AXIS_X:
+		turn_columns( m, 1, 2, c, s );
+		break;
+	case LWI_AXIS_Y:
+		turn_columns( m, 2, 0, c, s );
+		break;
+	case LWI_AXIS_Z:
+		turn_columns( m, 0, 1, c, s );
+		break;
+	case LWI_AXIS_GENERAL:
+		turn_general( m, joint->axis, c, s );
+		break;
 	}
 }
 
@@ -63,35 +63,35 @@ bool lwi_joint_move( const lwi_joint* joint, const double* q, lw_transform* m )
 	const double* v = q + joint->variable;
 	switch ( joint->type )
 	{
-		case LW_JOINT_FIXED:
-			break;
-		case LW_JOINT_REVOLUTE:
-		case LW_JOINT_CONTINUOUS:
-			rotate( joint, lwi_sincos_of( lwi_joint_angle( joint, q ) ), m );
-			break;
-		case LW_JOINT_PRISMATIC:
-			translate( m, lwi_scale( joint->multiplier * v[0] + joint->offset, lwi_load( joint->axis ) ) );
-			break;
-		case LW_JOINT_PLANAR:
-			translate( m, lwi_add_scaled( lwi_scale( v[0], lwi_load( joint->plane[0] ) ), v[1], lwi_load( joint->plane[1] ) ) );
-			rotate( joint, lwi_sincos_of( v[2] ), m );
-			break;
-		case LW_JOINT_FLOATING:
+	case LW_JOINT_FIXED:
+		break;
+	case LW_JOINT_REVOLUTE:
+	case LW_JOINT_CONTINUOUS:
+		rotate( joint, lwi_sincos_of( lwi_joint_angle( joint, q ) ), m );
+		break;
+	case LW_JOINT_PRISMATIC:
+		translate( m, lwi_scale( joint->multiplier * v[0] + joint->offset, lwi_load( joint->axis ) ) );
+		break;
+	case LW_JOINT_PLANAR:
+		translate( m, lwi_add_scaled( lwi_scale( v[0], lwi_load( joint->plane[0] ) ), v[1], lwi_load( joint->plane[1] ) ) );
+		rotate( joint, lwi_sincos_of( v[2] ), m );
+		break;
+	case LW_JOINT_FLOATING:
+	{
+		lw_transform motion;
+		if ( lw_transform_from_quaternion( v, v + 3, &motion ) != LW_OK )
 		{
-			lw_transform motion;
-			if ( lw_transform_from_quaternion( v, v + 3, &motion ) != LW_OK )
-			{
-				return false;
-			}
-			*m = lwi_multiply( m, &motion );
-			break;
+			return false;
 		}
+		*m = lwi_multiply( m, &motion );
+		break;
+	}
 	}
 	return true;
 }
 
-void lwi_joint_pose_sincos( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
-	bool translates, lwi_sincos by, lw_transform* m )
+void lwi_joint_pose_sincos( const lwi_joint* joint, const lw_transform* world_from_frame,
+	const lw_transform* frame_from_joint, bool translates, lwi_sincos by, lw_transform* m )
 {
 	if ( translates )
 	{
@@ -142,7 +142,8 @@ bool lwi_robot_fk_links( const lw_robot* robot, const double* q, const uint32_t*
 			continue;
 		}
 		const lwi_joint* joint = &robot->joints[index];
-		if ( !lwi_joint_pose( joint, &world_from_link[joint->parent], &joint->parent_from_joint, joint->pure_translation, q, m ) )
+		if ( !lwi_joint_pose( joint, &world_from_link[joint->parent], &joint->parent_from_joint, joint->pure_translation, q,
+				 m ) )
 		{
 			return false;
 		}

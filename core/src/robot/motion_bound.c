@@ -161,7 +161,7 @@ static void measure( const lwi_motion_table* table, const motion_scratch* s, uin
 		path += m->translation;
 		change += m->shift_change;
 		excess += m->excess;
-		s->rates[b->first_entry + k] = (lwi_motion_rate){ path * LWI_MOTION_OUTWARD, change * LWI_MOTION_OUTWARD };
+		s->rates[b->first_entry + k] = ( lwi_motion_rate ){ path * LWI_MOTION_OUTWARD, change * LWI_MOTION_OUTWARD };
 	}
 }
 
@@ -240,7 +240,7 @@ lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratc
 {
 	const motion_scratch* s = scratch;
 	uint32_t count = joints_below( table, body, ancestor ), last = table->bodies[body].first_entry + count - 1;
-	return count == 0 ? (lwi_motion_rate){ 0, 0 } : s->rates[last];
+	return count == 0 ? ( lwi_motion_rate ){ 0, 0 } : s->rates[last];
 }
 
 double lwi_motion_rotation( const void* scratch )
@@ -402,7 +402,7 @@ bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const 
 lwi_chord_error lwi_chord_error_of( lwi_motion_rate rate, double h )
 {
 	const double most = lwi_smaller( 0.125 * h * rate.change, 0.5 * rate.path ) * h;
-	return (lwi_chord_error){ 0.5 * h * h * rate.change * LWI_MOTION_OUTWARD, most * LWI_MOTION_OUTWARD };
+	return ( lwi_chord_error ){ 0.5 * h * h * rate.change * LWI_MOTION_OUTWARD, most * LWI_MOTION_OUTWARD };
 }
 
 /// Between s = 0 and 1 a point is at most max over s of s chord + s (1 - s) bend away from its place at 0.
@@ -475,7 +475,8 @@ void lwi_motion_cell( const lwi_motion_table* table, uint32_t body, const uint32
 			const lw_transform* pose = &poses[joint->child];
 			lw_vec3 offset = lwi_sub( middle_point, lwi_load( pose->t ) );
 			double axis_radius = lwi_distance_to_axis( lwi_rotate( pose, lwi_load( joint->axis ) ), offset ) + b->radius;
-			axis_radius = up ? lwi_smaller( axis_radius, entry->axis_radius + excess ) : axis_radius; // these axis radii are of joints below
+			axis_radius = up ? lwi_smaller( axis_radius, entry->axis_radius + excess )
+							 : axis_radius; // these axis radii are of joints below
 			axis_radius = up && k == 0 ? lwi_smaller( axis_radius, b->first_axis_radius ) : axis_radius;
 			length +=
 				( axis_radius + rounding ) * ( m.rotation < HALF_TURN ? 2 * lwi_sincos_of( 0.5 * m.rotation ).s : 2.0 );

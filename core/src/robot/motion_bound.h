@@ -16,9 +16,9 @@ typedef struct lwi_motion_table lwi_motion_table;
 /// A rigid group: bodies on links between which no joint of the edges moves, and a sphere around them.
 typedef struct lwi_rigid_group
 {
-	uint32_t link;     ///< its frame is the frame of the fields below
-	lw_sphere sphere;  ///< contains the bodies
-	uint32_t count;    ///< of shapes, where they are
+	uint32_t link;    ///< its frame is the frame of the fields below
+	lw_sphere sphere; ///< contains the bodies
+	uint32_t count;   ///< of shapes, where they are
 	const lw_shape* const* shapes;
 	const lw_transform* link_from_shape;
 } lwi_rigid_group;

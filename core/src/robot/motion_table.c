@@ -161,7 +161,8 @@ static void list_moving_joints( lwi_motion_table* table )
 		for ( uint32_t k = b->first_entry; k < b->first_entry + b->entry_count; ++k )
 		{
 			lwi_motion_entry* e = &table->entries[k];
-			for ( e->moving_joint = 0; e->moving_joint < table->moving_joint_count && table->moving_joints[e->moving_joint].joint != e->joint; )
+			for ( e->moving_joint = 0;
+				  e->moving_joint < table->moving_joint_count && table->moving_joints[e->moving_joint].joint != e->joint; )
 			{
 				++e->moving_joint;
 			}
@@ -187,7 +188,8 @@ static void survey( lwi_motion_table* table, const bool* fixed_variables )
 		table->longest = fmax( table->longest, b->length - table->root );
 		table->farthest = fmax( table->farthest, b->length );
 	}
-	table->longest = table->longest * LWI_MOTION_OUTWARD + 4 * LWI_U64 * table->root; // the difference is rounded by that at most
+	table->longest =
+		table->longest * LWI_MOTION_OUTWARD + 4 * LWI_U64 * table->root; // the difference is rounded by that at most
 	for ( uint32_t i = 0; i < robot->joint_count; ++i )
 	{
 		const lwi_joint* joint = &robot->joints[i];
@@ -306,13 +308,14 @@ lw_status lwi_motion_table_create( const lw_robot* robot, const bool* fixed_vari
 			const lw_body_def* def = &robot->bodies[i];
 			shapes[i] = lwi_shape_now( def->shape );
 			lw_vec3 center = lwi_transform( &def->link_from_shape, lwi_load( shapes[i]->sphere_center ) );
-			groups[i] = (lwi_rigid_group){ .link = def->link,
+			groups[i] = ( lwi_rigid_group ){ .link = def->link,
 				.sphere = { { center.x, center.y, center.z }, shapes[i]->sphere_radius },
 				.count = 1,
 				.shapes = &shapes[i],
 				.link_from_shape = &def->link_from_shape };
 		}
-		status = lwi_motion_table_create_groups( robot, groups, count, fixed_variables, reference, allocator, diag, out_table );
+		status =
+			lwi_motion_table_create_groups( robot, groups, count, fixed_variables, reference, allocator, diag, out_table );
 	}
 	lwi_free( &memory, groups, count * sizeof( lwi_rigid_group ) );
 	lwi_free( &memory, shapes, count * sizeof( lw_shape* ) );

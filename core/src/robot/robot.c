@@ -197,8 +197,8 @@ static lw_status build_tree( lw_robot* robot, const lw_robot_def* def, lw_diag* 
 		lost = def->joints[robot->link_joint[lost]].parent;
 	}
 	return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, robot->link_joint[lost],
-		"the joints form a cycle through link '%s' (joint '%s')",
-		def->link_names[lost], def->joints[robot->link_joint[lost]].name );
+		"the joints form a cycle through link '%s' (joint '%s')", def->link_names[lost],
+		def->joints[robot->link_joint[lost]].name );
 }
 
 static void build_axis( lwi_joint* joint, const double axis[3] )
@@ -373,7 +373,7 @@ void lwi_robot_group_links( lw_robot* robot )
 
 lw_body_def lwi_robot_take_body( const lw_body_def* def )
 {
-	return (lw_body_def){ lw_shape_retain( def->shape ), def->link, orthonormalized( &def->link_from_shape ) };
+	return ( lw_body_def ){ lw_shape_retain( def->shape ), def->link, orthonormalized( &def->link_from_shape ) };
 }
 
 static void build_bodies_and_pairs( lw_robot* robot, const lw_robot_def* def )

@@ -23,19 +23,19 @@ typedef struct lwi_joint
 {
 	lw_joint_type type;
 	lwi_axis_kind axis_kind;
-	bool constant;           ///< no variable moves it; parent_from_joint is then the whole transform to the child
-	bool pure_translation;   ///< parent_from_joint has the identity as rotation
-	uint32_t parent, child;  ///< links
-	uint32_t driver;         ///< joint whose variable moves it: itself or the end of its mimic chain; none if constant
-	uint32_t mimic;          ///< the end of its mimic chain; LW_INVALID_INDEX if it mimics nothing
-	uint32_t own_variable;   ///< first variable of its own, or LW_INVALID_INDEX
-	uint32_t variable;       ///< first variable of its driver, or LW_INVALID_INDEX
+	bool constant;             ///< no variable moves it; parent_from_joint is then the whole transform to the child
+	bool pure_translation;     ///< parent_from_joint has the identity as rotation
+	uint32_t parent, child;    ///< links
+	uint32_t driver;           ///< joint whose variable moves it: itself or the end of its mimic chain; none if constant
+	uint32_t mimic;            ///< the end of its mimic chain; LW_INVALID_INDEX if it mimics nothing
+	uint32_t own_variable;     ///< first variable of its own, or LW_INVALID_INDEX
+	uint32_t variable;         ///< first variable of its driver, or LW_INVALID_INDEX
 	double multiplier, offset; ///< its value = multiplier * q[variable] + offset; 1 and 0 for its own variable
-	double axis_sign;        ///< -1 for a rotation about -x, -y, -z; else 1
+	double axis_sign;          ///< -1 for a rotation about -x, -y, -z; else 1
 	lw_transform parent_from_joint; ///< rotation orthonormal to rounding
-	double axis[3];          ///< unit
-	double plane[2][3];      ///< planar: the directions of x and y; x, y, axis are right-handed
-	double lower, upper;     ///< limits of a revolute or prismatic joint; infinite if none
+	double axis[3];                 ///< unit
+	double plane[2][3];             ///< planar: the directions of x and y; x, y, axis are right-handed
+	double lower, upper;            ///< limits of a revolute or prismatic joint; infinite if none
 	double position_lower[3], position_upper[3];
 } lwi_joint;
 
@@ -47,15 +47,15 @@ struct lw_robot
 	size_t bytes;
 	const char* name;
 	uint32_t link_count, joint_count, body_count, variable_count;
-	const char** link_names;  ///< [link_count]
-	const char** joint_names; ///< [joint_count]
-	lwi_joint* joints;        ///< [joint_count]
-	lw_body_def* bodies;      ///< [body_count], each holds a reference to its shape
+	const char** link_names;     ///< [link_count]
+	const char** joint_names;    ///< [joint_count]
+	lwi_joint* joints;           ///< [joint_count]
+	lw_body_def* bodies;         ///< [body_count], each holds a reference to its shape
 	lw_variable_info* variables; ///< [variable_count]
-	uint32_t* link_joint;     ///< [link_count] joint whose child it is; LW_INVALID_INDEX for the root
-	uint32_t* link_order;     ///< [link_count] parents first
-	uint32_t* rigid_group;    ///< [link_count] equal for links rigidly attached to each other: the topmost of them
-	uint32_t* allowed;        ///< [link_count * link_count] bits, symmetric
+	uint32_t* link_joint;        ///< [link_count] joint whose child it is; LW_INVALID_INDEX for the root
+	uint32_t* link_order;        ///< [link_count] parents first
+	uint32_t* rigid_group;       ///< [link_count] equal for links rigidly attached to each other: the topmost of them
+	uint32_t* allowed;           ///< [link_count * link_count] bits, symmetric
 	lw_transform world_from_root;
 	/// The robot without its attached objects (a reference): its links, joints and bodies come first. NULL if nothing is
 	/// attached.
@@ -131,8 +131,8 @@ static inline double lwi_joint_angle( const lwi_joint* joint, const double* q )
 	return joint->multiplier * q[joint->variable] + joint->offset;
 }
 /// lwi_joint_pose() of such a joint, to the bit, where the sine and cosine of its angle are known.
-void lwi_joint_pose_sincos( const lwi_joint* joint, const lw_transform* world_from_frame, const lw_transform* frame_from_joint,
-	bool translates, lwi_sincos by, lw_transform* m );
+void lwi_joint_pose_sincos( const lwi_joint* joint, const lw_transform* world_from_frame,
+	const lw_transform* frame_from_joint, bool translates, lwi_sincos by, lw_transform* m );
 
 /// Signed difference that lw_robot_interpolate goes through from `from` to `to` for a variable that wraps: in [-pi, pi].
 double lwi_wrapped_difference( double from, double to );

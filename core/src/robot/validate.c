@@ -13,7 +13,7 @@ enum
 
 lw_joint_def lw_joint_def_default( void )
 {
-	return (lw_joint_def){
+	return ( lw_joint_def ){
 		.type = LW_JOINT_FIXED,
 		.parent = LW_INVALID_INDEX,
 		.child = LW_INVALID_INDEX,
@@ -30,7 +30,7 @@ lw_joint_def lw_joint_def_default( void )
 
 lw_robot_def lw_robot_def_default( void )
 {
-	return (lw_robot_def){ .name = "robot", .world_from_root = lw_transform_identity(), .cookie = ROBOT_COOKIE };
+	return ( lw_robot_def ){ .name = "robot", .world_from_root = lw_transform_identity(), .cookie = ROBOT_COOKIE };
 }
 
 bool lwi_joint_has_axis( lw_joint_type type )
@@ -46,16 +46,16 @@ uint32_t lwi_joint_own_variable_count( const lw_joint_def* joint )
 	}
 	switch ( joint->type )
 	{
-		case LW_JOINT_FIXED:
-			return 0;
-		case LW_JOINT_REVOLUTE:
-		case LW_JOINT_CONTINUOUS:
-		case LW_JOINT_PRISMATIC:
-			return 1;
-		case LW_JOINT_PLANAR:
-			return 3;
-		case LW_JOINT_FLOATING:
-			return 7;
+	case LW_JOINT_FIXED:
+		return 0;
+	case LW_JOINT_REVOLUTE:
+	case LW_JOINT_CONTINUOUS:
+	case LW_JOINT_PRISMATIC:
+		return 1;
+	case LW_JOINT_PLANAR:
+		return 3;
+	case LW_JOINT_FLOATING:
+		return 7;
 	}
 	return 0;
 }
@@ -194,9 +194,8 @@ static lw_status check_joints( const lw_robot_def* def, lw_diag* diag )
 		}
 		if ( j->parent >= def->link_count || j->child >= def->link_count )
 		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-				"joint '%s': its %s link %u is not one of the %u links", j->name,
-				j->parent >= def->link_count ? "parent" : "child",
+			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "joint '%s': its %s link %u is not one of the %u links",
+				j->name, j->parent >= def->link_count ? "parent" : "child",
 				j->parent >= def->link_count ? j->parent : j->child, def->link_count );
 		}
 		if ( j->parent == j->child )
@@ -226,7 +225,8 @@ lw_status lwi_robot_check_body( const lw_body_def* b, uint32_t i, const char* li
 	if ( b->shape->family == LWI_UNBOUNDED )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-			"body %u of link '%s' is a half-space or plane; these have no bounds and can only be obstacles: use a box", i, link );
+			"body %u of link '%s' is a half-space or plane; these have no bounds and can only be obstacles: use a box", i,
+			link );
 	}
 	if ( !lw_transform_is_valid( &b->link_from_shape ) )
 	{

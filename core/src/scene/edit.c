@@ -16,7 +16,7 @@ typedef struct draft_object
 	const char* name; ///< the old scene's, or the change's
 	bool shared;      ///< it is the old scene's
 	bool removed;
-	uint32_t index;   ///< in the new scene
+	uint32_t index; ///< in the new scene
 } draft_object;
 
 typedef struct draft_shape
@@ -89,15 +89,15 @@ static lw_status check_change( const lw_scene_change* change, uint32_t at, lw_di
 	bool wants_poses = change->type != LW_SCENE_REMOVE && change->shape_count > 0;
 	if ( ( wants_shapes && change->shapes == NULL ) || ( wants_poses && change->world_from_shape == NULL ) )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, at, "scene change %u: object '%.80s': an array is NULL, its count is not 0",
-			at, change->object );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, at,
+			"scene change %u: object '%.80s': an array is NULL, its count is not 0", at, change->object );
 	}
 	for ( uint32_t i = 0; wants_shapes && i < change->shape_count; ++i )
 	{
 		if ( change->shapes[i] == NULL )
 		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, at, "scene change %u: object '%.80s': its shape %u is NULL", at,
-				change->object, i );
+			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, at, "scene change %u: object '%.80s': its shape %u is NULL",
+				at, change->object, i );
 		}
 	}
 	return wants_poses ? check_poses( change, at, diag ) : LW_OK;
@@ -110,15 +110,16 @@ static lw_status add( draft* d, const lw_scene_change* change, uint32_t at, lw_d
 		if ( !d->objects[i].removed && strcmp( d->objects[i].name, change->object ) == 0 )
 		{
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, at,
-				"scene change %u: there is an object '%.80s' already; remove it first, or choose another name", at, change->object );
+				"scene change %u: there is an object '%.80s' already; remove it first, or choose another name", at,
+				change->object );
 		}
 	}
 	uint32_t object = d->object_count++;
-	d->objects[object] = (draft_object){ .name = change->object };
+	d->objects[object] = ( draft_object ){ .name = change->object };
 	for ( uint32_t i = 0; i < change->shape_count; ++i )
 	{
 		draft_shape* shape = &d->shapes[d->shape_count++];
-		shape->def = (lw_scene_shape_def){ change->shapes[i], object, lwi_orthonormal( &change->world_from_shape[i] ) };
+		shape->def = ( lw_scene_shape_def ){ change->shapes[i], object, lwi_orthonormal( &change->world_from_shape[i] ) };
 		shape->source = LW_INVALID_INDEX;
 	}
 	return LW_OK;
@@ -190,11 +191,11 @@ static lw_status begin( draft* d, const lw_allocator* allocator, lw_diag* diag )
 	}
 	for ( uint32_t i = 0; i < d->object_count; ++i )
 	{
-		d->objects[i] = (draft_object){ .name = d->scene->object_names[i], .shared = true };
+		d->objects[i] = ( draft_object ){ .name = d->scene->object_names[i], .shared = true };
 	}
 	for ( uint32_t i = 0; i < d->shape_count; ++i )
 	{
-		d->shapes[i] = (draft_shape){ d->scene->shapes[i], i };
+		d->shapes[i] = ( draft_shape ){ d->scene->shapes[i], i };
 	}
 	return LW_OK;
 }

@@ -144,7 +144,8 @@ static lw_status check_def( const lw_scene_def* def, lw_diag* diag )
 	}
 	if ( ( def->object_count > 0 && def->object_names == NULL ) || ( def->shape_count > 0 && def->shapes == NULL ) )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "scene def: an array is NULL, its count is not 0" );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"scene def: an array is NULL, its count is not 0" );
 	}
 	for ( uint32_t i = 0; i < def->object_count; ++i )
 	{
@@ -158,13 +159,14 @@ static lw_status check_def( const lw_scene_def* def, lw_diag* diag )
 		const lw_scene_shape_def* shape = &def->shapes[i];
 		if ( shape->shape == NULL || shape->object >= def->object_count )
 		{
-			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "scene shape %u: no shape, or object index out of range", i );
+			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i, "scene shape %u: no shape, or object index out of range",
+				i );
 		}
 		if ( !lw_transform_is_valid( &shape->world_from_shape ) )
 		{
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, i,
-				"scene shape %u of object '%.80s': its pose is not finite or not a rotation, or beyond 1e15 m; normalise its quaternion, give metres", i,
-				def->object_names[shape->object] );
+				"scene shape %u of object '%.80s': its pose is not finite or not a rotation, or beyond 1e15 m; normalise its quaternion, give metres",
+				i, def->object_names[shape->object] );
 		}
 	}
 	return LW_OK;
@@ -338,8 +340,8 @@ float lwi_unbounded_gap( const lw_scene_shape_def* obstacle, const double center
 	return lwi_round_down( gap - 32 * LWI_U64 * size );
 }
 
-double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels* kernels, const double center[3], double radius,
-	double cutoff, float* gaps, bool* near )
+double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels* kernels, const double center[3],
+	double radius, double cutoff, float* gaps, bool* near )
 {
 	float sphere[4];
 	double reach = 0;

@@ -15,15 +15,15 @@ struct lw_scene
 	lwi_refcount references;
 	lw_allocator allocator;
 	uint32_t object_count, shape_count;
-	uint32_t block_count;        ///< of LWI_WIDTH shapes
+	uint32_t block_count; ///< of LWI_WIDTH shapes
 	char** object_names;
-	lw_scene_shape_def* shapes;  ///< poses orthonormal
-	double origin[3];            ///< centre of everything: floats below are relative to it
-	double extent;               ///< largest |coordinate| of the boxes about the origin
-	lwi_box8* boxes;             ///< [block_count] world bounds of the shapes, rounded outward
-	double ( *box_min )[3];      ///< [shape_count] the same in double, world
+	lw_scene_shape_def* shapes; ///< poses orthonormal
+	double origin[3];           ///< centre of everything: floats below are relative to it
+	double extent;              ///< largest |coordinate| of the boxes about the origin
+	lwi_box8* boxes;            ///< [block_count] world bounds of the shapes, rounded outward
+	double ( *box_min )[3];     ///< [shape_count] the same in double, world
 	double ( *box_max )[3];
-	uint32_t* unbounded;         ///< [unbounded_count] half-spaces and planes, ascending: their boxes are infinite
+	uint32_t* unbounded; ///< [unbounded_count] half-spaces and planes, ascending: their boxes are infinite
 	uint32_t unbounded_count;
 };
 
@@ -48,8 +48,8 @@ float lwi_unbounded_gap( const lw_scene_shape_def* obstacle, const double center
 /// Gaps of a bounding sphere (world) to the boxes, half-spaces and planes of the first blocks of the scene: gaps[blocks *
 /// LWI_WIDTH], pads +INFINITY. Returns the metres to add to a limit before comparing a gap with it. *near: some gap is below
 /// `cutoff` plus these metres, or is not a number.
-double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels* kernels, const double center[3], double radius,
-	double cutoff, float* gaps, bool* near );
+double lwi_scene_gaps( const lw_scene* scene, uint32_t blocks, const lwi_kernels* kernels, const double center[3],
+	double radius, double cutoff, float* gaps, bool* near );
 
 LW_EXTERN_C_END
 

@@ -23,7 +23,7 @@ typedef struct ray
 	double tree_p[3]; ///< tree frame
 	int axis;
 	bool forward;
-	double slack;     ///< metres: error of tree_p and of the spheres
+	double slack; ///< metres: error of tree_p and of the spheres
 	bool on_surface;
 	uint32_t first_component; ///< of those counted now
 	int32_t winding[COMPONENTS_AT_ONCE];
@@ -99,8 +99,9 @@ static void count_triangle( ray* r, uint32_t triangle )
 		return;
 	}
 	int32_t* sum = &r->winding[( component >> 2 ) - r->first_component];
-	*sum = ( component & LWI_COMPONENT_MIXED ) != 0 ? *sum ^ 1 : *sum + ( ( component & LWI_COMPONENT_FLIPPED ) != 0
-		? -winding : winding );
+	*sum = ( component & LWI_COMPONENT_MIXED ) != 0
+			   ? *sum ^ 1
+			   : *sum + ( ( component & LWI_COMPONENT_FLIPPED ) != 0 ? -winding : winding );
 }
 
 /// True if the ray may meet the sphere.

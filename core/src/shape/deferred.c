@@ -26,14 +26,16 @@ static lw_status check_def( const lw_deferred_def* def, lw_diag* diag )
 {
 	if ( def == NULL || def->cookie != DEFERRED_COOKIE )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_DEF, LW_INVALID_INDEX, "deferred def was not made by lw_deferred_def_default()" );
+		return lwi_fail( diag, LW_ERROR_INVALID_DEF, LW_INVALID_INDEX,
+			"deferred def was not made by lw_deferred_def_default()" );
 	}
 	if ( def->make == NULL )
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "deferred def has no make" );
 	}
 	if ( !lwi_coordinates_valid( def->box_min ) || !lwi_coordinates_valid( def->box_max ) ||
-		 !( def->box_min[0] <= def->box_max[0] && def->box_min[1] <= def->box_max[1] && def->box_min[2] <= def->box_max[2] ) )
+		 !( def->box_min[0] <= def->box_max[0] && def->box_min[1] <= def->box_max[1] &&
+			 def->box_min[2] <= def->box_max[2] ) )
 	{
 		return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, LW_INVALID_INDEX,
 			"the box of a deferred mesh is empty, not finite or too far away" );
@@ -46,7 +48,8 @@ lw_status lw_shape_create_deferred( const lw_deferred_def* def, const lw_allocat
 {
 	if ( out_shape == NULL )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "out_shape is NULL; pass where to store the shape" );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"out_shape is NULL; pass where to store the shape" );
 	}
 	*out_shape = NULL;
 	lw_status status = check_def( def, diag );
@@ -122,7 +125,8 @@ const lw_shape* lwi_shape_make( const lw_shape* shape, lw_status* out_status, lw
 		return NULL;
 	}
 	lw_shape* first = NULL;
-	if ( !atomic_compare_exchange_strong_explicit( &deferred->made, &first, made, memory_order_acq_rel, memory_order_acquire ) )
+	if ( !atomic_compare_exchange_strong_explicit( &deferred->made, &first, made, memory_order_acq_rel,
+			 memory_order_acquire ) )
 	{
 		lw_shape_release( made );
 		made = first;

@@ -16,11 +16,11 @@ lw_digest lw_shape_digest( const lw_shape* shape )
 	shape = lwi_shape_made( shape, &status, NULL );
 	if ( shape == NULL )
 	{
-		return (lw_digest){ { 0, 0 } };
+		return ( lw_digest ){ { 0, 0 } };
 	}
 	const uint32_t counts[] = { (uint32_t)shape->type, shape->primitive ? 1u : 0u, shape->vertex_count, shape->item_count,
 		shape->degenerate_count, shape->root, shape->node_count, shape->leaf_count, shape->depth, shape->closed ? 1u : 0u };
-	lw_digest d = lwi_digest_indices( (lw_digest){ { 0, 0 } }, counts, sizeof( counts ) / sizeof( counts[0] ) );
+	lw_digest d = lwi_digest_indices( ( lw_digest ){ { 0, 0 } }, counts, sizeof( counts ) / sizeof( counts[0] ) );
 	d = lwi_digest_indices( d, &shape->original_count, 1 );
 	d = lwi_digest_doubles( d, &shape->excess, 1 );
 	d = lwi_digest_doubles( d, &shape->radius, 1 );

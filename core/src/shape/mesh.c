@@ -93,7 +93,8 @@ static lw_status check( const lw_mesh_def* def, lw_diag* diag )
 		if ( !isfinite( def->scale[k] ) || def->scale[k] == 0.0 )
 		{
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, (uint32_t)k,
-				"mesh scale[%d] is %g; give a finite number other than 0 (1 keeps the size, negative mirrors)", k, def->scale[k] );
+				"mesh scale[%d] is %g; give a finite number other than 0 (1 keeps the size, negative mirrors)", k,
+				def->scale[k] );
 		}
 	}
 	if ( !( def->weld_tolerance >= 0.0 ) || !isfinite( def->weld_tolerance ) )
@@ -107,8 +108,8 @@ static lw_status check( const lw_mesh_def* def, lw_diag* diag )
 	}
 	if ( def->triangle_count > LWI_MAX_ITEMS )
 	{
-		return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, LW_INVALID_INDEX, "%u triangles, at most %zu are possible; split the mesh",
-			def->triangle_count, LWI_MAX_ITEMS );
+		return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, LW_INVALID_INDEX,
+			"%u triangles, at most %zu are possible; split the mesh", def->triangle_count, LWI_MAX_ITEMS );
 	}
 	for ( uint32_t v = 0; v < def->vertex_count; ++v )
 	{
@@ -116,14 +117,14 @@ static lw_status check( const lw_mesh_def* def, lw_diag* diag )
 		double scaled[3] = { p[0] * def->scale[0], p[1] * def->scale[1], p[2] * def->scale[2] };
 		if ( !isfinite( p[0] ) || !isfinite( p[1] ) || !isfinite( p[2] ) )
 		{
-			return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, v, "vertex %u is not finite (%g, %g, %g); repair or drop its triangles",
-				v, p[0], p[1], p[2] );
+			return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, v,
+				"vertex %u is not finite (%g, %g, %g); repair or drop its triangles", v, p[0], p[1], p[2] );
 		}
 		if ( !lwi_coordinates_valid( scaled ) )
 		{
 			return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, v,
-				"vertex %u is at (%g, %g, %g) m after scale, more than %g m from the origin; check units and scale", v, scaled[0],
-				scaled[1], scaled[2], LWI_MAX_COORDINATE );
+				"vertex %u is at (%g, %g, %g) m after scale, more than %g m from the origin; check units and scale", v,
+				scaled[0], scaled[1], scaled[2], LWI_MAX_COORDINATE );
 		}
 	}
 	for ( size_t i = 0; i < 3 * (size_t)def->triangle_count; ++i )

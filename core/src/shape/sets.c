@@ -12,17 +12,20 @@ static lw_status check_set( const char* kind, const double* numbers, uint32_t co
 {
 	if ( out_shape == NULL )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "out_shape is NULL; pass where to store the shape" );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"out_shape is NULL; pass where to store the shape" );
 	}
 	*out_shape = NULL;
 	if ( numbers == NULL && count > 0 )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "%s is NULL but their count is %u", kind, count );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "%s is NULL but their count is %u", kind,
+			count );
 	}
 	lw_status status = lwi_check_tree_def( tree, diag );
 	if ( status == LW_OK && ( count == 0 || count > LWI_MAX_ITEMS ) )
 	{
-		return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, LW_INVALID_INDEX, "%u %s; a set has 1 to %zu", count, kind, LWI_MAX_ITEMS );
+		return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, LW_INVALID_INDEX, "%u %s; a set has 1 to %zu", count, kind,
+			LWI_MAX_ITEMS );
 	}
 	return status;
 }
@@ -46,7 +49,8 @@ static lw_status check_radius( double radius, uint32_t index, lw_diag* diag )
 	}
 	if ( index == LW_INVALID_INDEX )
 	{
-		return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, index, "radius is %g; give metres from 0 to %g", radius, LWI_MAX_COORDINATE );
+		return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, index, "radius is %g; give metres from 0 to %g", radius,
+			LWI_MAX_COORDINATE );
 	}
 	return lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, index, "sphere %u has radius %g; give metres from 0 to %g", index, radius,
 		LWI_MAX_COORDINATE );
@@ -154,8 +158,8 @@ lw_status lw_shape_create_boxes( const double* boxes, uint32_t box_count, const 
 		if ( status == LW_OK && !( b[0] <= b[3] && b[1] <= b[4] && b[2] <= b[5] ) )
 		{
 			status = lwi_fail( diag, LW_ERROR_BAD_GEOMETRY, i,
-				"box %u is from (%g, %g, %g) to (%g, %g, %g); give the least corner first, then the greatest", i, b[0], b[1], b[2],
-				b[3], b[4], b[5] );
+				"box %u is from (%g, %g, %g) to (%g, %g, %g); give the least corner first, then the greatest", i, b[0], b[1],
+				b[2], b[3], b[4], b[5] );
 		}
 	}
 	if ( status != LW_OK )

@@ -17,12 +17,12 @@ enum
 
 lw_tree_def lw_tree_def_default( void )
 {
-	return (lw_tree_def){ LW_FIT_MINIMAL, LWI_WIDTH, 0.0 };
+	return ( lw_tree_def ){ LW_FIT_MINIMAL, LWI_WIDTH, 0.0 };
 }
 
 lw_mesh_def lw_mesh_def_default( void )
 {
-	return (lw_mesh_def){ .scale = { 1.0, 1.0, 1.0 }, .tree = lw_tree_def_default(), .cookie = MESH_DEF_COOKIE };
+	return ( lw_mesh_def ){ .scale = { 1.0, 1.0, 1.0 }, .tree = lw_tree_def_default(), .cookie = MESH_DEF_COOKIE };
 }
 
 lw_status lwi_check_tree_def( const lw_tree_def* def, lw_diag* diag )
@@ -34,8 +34,8 @@ lw_status lwi_check_tree_def( const lw_tree_def* def, lw_diag* diag )
 	}
 	if ( def->leaf_size < 1 || def->leaf_size > LWI_WIDTH )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "tree.leaf_size is %u; use 1 to %d", def->leaf_size,
-			(int)LWI_WIDTH );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "tree.leaf_size is %u; use 1 to %d",
+			def->leaf_size, (int)LWI_WIDTH );
 	}
 	if ( !( def->tile_radius >= 0.0 ) || !isfinite( def->tile_radius ) )
 	{
@@ -76,7 +76,8 @@ void lwi_shape_set_frame( lw_shape* shape )
 		if ( step == 2 )
 		{
 			lw_vec3 q = lwi_sub( lwi_load( shape->vertices + 3 * i + 3 ), lwi_load( shape->origin ) );
-			p = lwi_v3( fmax( fabs( p.x ), fabs( q.x ) ), fmax( fabs( p.y ), fabs( q.y ) ), fmax( fabs( p.z ), fabs( q.z ) ) );
+			p = lwi_v3( fmax( fabs( p.x ), fabs( q.x ) ), fmax( fabs( p.y ), fabs( q.y ) ),
+				fmax( fabs( p.z ), fabs( q.z ) ) );
 		}
 		double r = shape->family == LWI_BALLS ? lwi_hull_radius( shape, i ) : 0.0;
 		double reach = lwi_length( p ) + r;
@@ -115,10 +116,11 @@ void lwi_shape_finish( lw_shape* shape )
 {
 	dilate_box( shape );
 	set_bounding_sphere( shape );
-	size_t leaf_size = shape->family == LWI_BALLS ? sizeof( lwi_ball_leaf )
-		: shape->family == LWI_BOXES ? sizeof( lwi_box_leaf )
-									 : sizeof( lwi_leaf );
-	shape->bytes = sizeof( lw_shape ) + 3 * (size_t)shape->vertex_count * sizeof( double ) +
+	size_t leaf_size = shape->family == LWI_BALLS   ? sizeof( lwi_ball_leaf )
+					   : shape->family == LWI_BOXES ? sizeof( lwi_box_leaf )
+													: sizeof( lwi_leaf );
+	shape->bytes =
+		sizeof( lw_shape ) + 3 * (size_t)shape->vertex_count * sizeof( double ) +
 		( shape->indices != NULL ? 3 * (size_t)shape->item_count * sizeof( uint32_t ) : 0 ) +
 		( shape->components != NULL ? shape->item_count * sizeof( uint32_t ) : 0 ) +
 		( shape->radii != NULL ? shape->item_count * sizeof( double ) : 0 ) + shape->node_count * sizeof( lwi_node ) +
@@ -160,7 +162,10 @@ lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* dia
 		.radii = shape->radii,
 		.radius = shape->family == LWI_BALLS ? shape->radius : 0.0,
 		.item_count = shape->item_count,
-		.slack = ( tiled ? 256 : shape->family == LWI_BOXES ? 16 : 4 ) * LWI_U64 * (double)shape->extent };
+		.slack = ( tiled                          ? 256
+					 : shape->family == LWI_BOXES ? 16
+												  : 4 ) *
+				 LWI_U64 * (double)shape->extent };
 	lwi_tiles tiles = { 0 };
 	lw_status status = LW_OK;
 	if ( tiled )
@@ -208,7 +213,8 @@ lw_status lwi_mesh_shape( const lw_mesh_def* def, double radius, const lw_alloca
 {
 	if ( out_shape == NULL )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "out_shape is NULL; pass where to store the shape" );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"out_shape is NULL; pass where to store the shape" );
 	}
 	*out_shape = NULL;
 	if ( def == NULL || def->cookie != MESH_DEF_COOKIE )
@@ -229,7 +235,8 @@ lw_status lwi_mesh_shape( const lw_mesh_def* def, double radius, const lw_alloca
 	}
 	if ( def->solid && def->tree.tile_radius > 0.0 )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "a solid mesh cannot be tiled: set tree.tile_radius to 0" );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"a solid mesh cannot be tiled: set tree.tile_radius to 0" );
 	}
 	lw_allocator memory = lwi_allocator_or_default( allocator );
 	lwi_mesh mesh;
@@ -269,21 +276,21 @@ static int dimension_count( lw_shape_type type )
 {
 	switch ( type )
 	{
-		case LW_SHAPE_BOX:
-			return 3;
-		case LW_SHAPE_SPHERE:
-			return 1;
-		case LW_SHAPE_CYLINDER:
-		case LW_SHAPE_CAPSULE:
-		case LW_SHAPE_CONE:
-			return 2;
-		case LW_SHAPE_MESH:
-		case LW_SHAPE_POINTS:
-		case LW_SHAPE_SPHERES:
-		case LW_SHAPE_BOXES:
-		case LW_SHAPE_HALFSPACE:
-		case LW_SHAPE_PLANE:
-			break;
+	case LW_SHAPE_BOX:
+		return 3;
+	case LW_SHAPE_SPHERE:
+		return 1;
+	case LW_SHAPE_CYLINDER:
+	case LW_SHAPE_CAPSULE:
+	case LW_SHAPE_CONE:
+		return 2;
+	case LW_SHAPE_MESH:
+	case LW_SHAPE_POINTS:
+	case LW_SHAPE_SPHERES:
+	case LW_SHAPE_BOXES:
+	case LW_SHAPE_HALFSPACE:
+	case LW_SHAPE_PLANE:
+		break;
 	}
 	return 0;
 }
@@ -382,7 +389,8 @@ lw_status lw_shape_create_primitive( lw_shape_type type, const double dimensions
 {
 	if ( out_shape == NULL )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "out_shape is NULL; pass where to store the shape" );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"out_shape is NULL; pass where to store the shape" );
 	}
 	*out_shape = NULL;
 	bool unbounded = lwi_family_of( type ) == LWI_UNBOUNDED;
@@ -493,7 +501,9 @@ lw_shape_info lw_shape_peek_info( const lw_shape* shape )
 		.bytes = shape->bytes,
 		.sphere_radius = shape->sphere_radius,
 		.excess = shape->excess,
-		.original_count = shape->original_count > 0 ? shape->original_count : has_public_vertices( shape ) ? triangles : 0,
+		.original_count = shape->original_count > 0      ? shape->original_count
+						  : has_public_vertices( shape ) ? triangles
+														 : 0,
 		.deferred = shape->deferred != NULL,
 		.solid = shape->closed || ( shape->type != LW_SHAPE_MESH && shape->type != LW_SHAPE_PLANE ),
 	};

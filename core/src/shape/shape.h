@@ -26,7 +26,7 @@ enum
 
 /// Flags of lw_shape.components, below the number of the component.
 #define LWI_COMPONENT_FLIPPED 1u ///< this triangle is against the orientation of its component
-#define LWI_COMPONENT_MIXED 2u  ///< the component has no orientation
+#define LWI_COMPONENT_MIXED 2u   ///< the component has no orientation
 
 typedef enum lwi_family
 {
@@ -75,10 +75,10 @@ struct lw_shape
 	lw_allocator allocator;
 	lw_shape_type type;
 	lwi_family family;
-	lwi_deferred* deferred; ///< NULL: the shape is complete. Else only its box, sphere and bytes are valid
-	bool primitive;        ///< convex or unbounded: no items, no tree
-	double radius;         ///< of a capsule, a sphere, all points of a set, a coarser mesh; else 0
-	double dimensions[3];  ///< of primitives, as given; [0] of the radius of a set or mesh
+	lwi_deferred* deferred;  ///< NULL: the shape is complete. Else only its box, sphere and bytes are valid
+	bool primitive;          ///< convex or unbounded: no items, no tree
+	double radius;           ///< of a capsule, a sphere, all points of a set, a coarser mesh; else 0
+	double dimensions[3];    ///< of primitives, as given; [0] of the radius of a set or mesh
 	double excess;           ///< metres: of a coarser shape, how far it may reach beyond the original
 	uint32_t original_count; ///< items of the original; 0 if there is none
 
@@ -94,20 +94,20 @@ struct lw_shape
 	uint32_t degenerate_count;
 
 	// Meshes only.
-	uint32_t part_count;            ///< connected parts
-	uint32_t parts[LWI_MAX_PARTS];  ///< a triangle of each, if there are no more than these
-	bool closed;                    ///< declared solid: closed, and all points inside belong to it
-	uint32_t component_count;           ///< closed surfaces of a closed mesh
-	uint32_t* components;               ///< [item_count] of a closed mesh: number << 2 | flags; LW_INVALID_INDEX: degenerate
+	uint32_t part_count;           ///< connected parts
+	uint32_t parts[LWI_MAX_PARTS]; ///< a triangle of each, if there are no more than these
+	bool closed;                   ///< declared solid: closed, and all points inside belong to it
+	uint32_t component_count;      ///< closed surfaces of a closed mesh
+	uint32_t* components;          ///< [item_count] of a closed mesh: number << 2 | flags; LW_INVALID_INDEX: degenerate
 
 	// Sphere tree, tree frame = shape frame shifted by origin: p_tree = p_shape - origin.
-	double origin[3];   ///< centre of the vertices' box
-	float extent;       ///< >= largest |p_tree| over all geometry, rounded up: scale of float rounding errors
-	lwi_ref root;       ///< a node, or a leaf if everything fits into one
+	double origin[3];     ///< centre of the vertices' box
+	float extent;         ///< >= largest |p_tree| over all geometry, rounded up: scale of float rounding errors
+	lwi_ref root;         ///< a node, or a leaf if everything fits into one
 	float root_sphere[4]; ///< x, y, z, r: contains everything, tree frame
 	uint32_t node_count, leaf_count, depth;
 	lwi_node* nodes;
-	lwi_obb8* obbs;           ///< [node_count] of triangles, else NULL
+	lwi_obb8* obbs;             ///< [node_count] of triangles, else NULL
 	lwi_leaf* leaves;           ///< of triangles
 	lwi_ball_leaf* ball_leaves; ///< of balls
 	lwi_box_leaf* box_leaves;   ///< of boxes

@@ -60,7 +60,7 @@ lwi_ball lwi_fit_two_balls( lwi_ball a, lwi_ball b )
 	}
 	// not nested, so d > |a.radius - b.radius| >= 0
 	double radius = 0.5 * ( d + a.radius + b.radius );
-	return (lwi_ball){ lwi_add_scaled( a.center, ( radius - a.radius ) / d, ab ), radius };
+	return ( lwi_ball ){ lwi_add_scaled( a.center, ( radius - a.radius ) / d, ab ), radius };
 }
 
 // Compact
@@ -137,7 +137,7 @@ lwi_ball lwi_fit_compact( const double* points, size_t count )
 		center = compact_update( center, v, lwi_load( points + 3 * max ) );
 		radius_sq = lwi_length_sq( lwi_sub( center, v ) );
 	}
-	return (lwi_ball){ best, sqrt( best_sq ) };
+	return ( lwi_ball ){ best, sqrt( best_sq ) };
 }
 
 // Minimal
@@ -242,7 +242,7 @@ lwi_ball lwi_fit_minimal( const double* points, size_t count )
 		}
 		basis = next;
 	}
-	return (lwi_ball){ best, sqrt( best_sq ) };
+	return ( lwi_ball ){ best, sqrt( best_sq ) };
 }
 
 // Balls
@@ -285,7 +285,7 @@ lwi_ball lwi_fit_balls( const double* centers, const double* radii, size_t count
 		lw_vec3 far = far_point( centers, radii, count, c, &reach );
 		if ( reach < best.radius )
 		{
-			best = (lwi_ball){ c, reach };
+			best = ( lwi_ball ){ c, reach };
 		}
 		core[3 * n] = far.x;
 		core[3 * n + 1] = far.y;
@@ -338,7 +338,8 @@ void lwi_ball_around_balls( lw_vec3 center, const double* centers, const double*
 	double largest = 0.0;
 	for ( size_t i = 0; i < count; ++i )
 	{
-		double x = centers[3 * i] - (double)c[0], y = centers[3 * i + 1] - (double)c[1], z = centers[3 * i + 2] - (double)c[2];
+		double x = centers[3 * i] - (double)c[0], y = centers[3 * i + 1] - (double)c[1],
+			   z = centers[3 * i + 2] - (double)c[2];
 		double reach = sqrt( x * x + y * y + z * z ) + ( radii != NULL ? radii[i] : radius );
 		largest = reach > largest ? reach : largest;
 	}

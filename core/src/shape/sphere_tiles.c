@@ -45,8 +45,8 @@ static double tile_radius_of( const tile* t, int* longest )
 
 /// Tiles of one triangle, depth first. With `out` the tiles and new points are appended to it; without, only counted.
 /// @return false if more than `limit` tiles were met
-static bool tile_triangle(
-	const tile* triangle, uint32_t index, double radius, size_t limit, lwi_tiles* count, lwi_tiles* out )
+static bool tile_triangle( const tile* triangle, uint32_t index, double radius, size_t limit, lwi_tiles* count,
+	lwi_tiles* out )
 {
 	tile stack[MAX_BISECTIONS + 2];
 	size_t top = 0;

@@ -158,7 +158,7 @@ float lwi_support( const lwi_kernels* kernels, const lw_shape* shape, const floa
 	candidate stack[( LWI_WIDTH - 1 ) * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH];
 	uint32_t height = 0;
 	float best = dot( n, point );
-	stack[height++] = (candidate){ INFINITY, shape->root };
+	stack[height++] = ( candidate ){ INFINITY, shape->root };
 	while ( height > 0 )
 	{
 		candidate next = stack[--height];
@@ -185,7 +185,7 @@ float lwi_support( const lwi_kernels* kernels, const lw_shape* shape, const floa
 			{
 				farthest = high[lane];
 			}
-			stack[place] = (candidate){ high[lane], node->child[lane] };
+			stack[place] = ( candidate ){ high[lane], node->child[lane] };
 		}
 	}
 	return best;
@@ -197,7 +197,8 @@ static float reach_of_box( const lw_shape* shape, const float n[3] )
 	float sum = 0;
 	for ( int i = 0; i < 3; ++i )
 	{
-		sum += n[i] * ( n[i] > 0 ? (float)( shape->box_max[i] - shape->origin[i] ) : (float)( shape->box_min[i] - shape->origin[i] ) );
+		sum += n[i] * ( n[i] > 0 ? (float)( shape->box_max[i] - shape->origin[i] )
+								 : (float)( shape->box_min[i] - shape->origin[i] ) );
 	}
 	return sum;
 }
@@ -217,7 +218,7 @@ static bool leaf_stays_below( const lwi_kernels* kernels, const lw_shape* shape,
 	kernels->leaf_project( &shape->leaves[index], n, low, high );
 	for ( uint32_t i = 0; i < LWI_WIDTH; ++i )
 	{
-		above |= (uint32_t)!( high[i] <= most ) << i;
+		above |= ( uint32_t ) !( high[i] <= most ) << i;
 	}
 	above &= ( 1u << count ) - 1;
 	if ( above != 0 && ball != NULL )
@@ -273,7 +274,8 @@ bool lwi_stays_below( const lwi_kernels* kernels, const lw_shape* shape, const f
 	return stays_below( kernels, shape, n, most, NULL );
 }
 
-bool lwi_near_stays_below( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float most, const float ball[4] )
+bool lwi_near_stays_below( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float most,
+	const float ball[4] )
 {
 	return stays_below( kernels, shape, n, most, ball );
 }

@@ -17,7 +17,8 @@ bool lwi_stays_below( const lwi_kernels* kernels, const lw_shape* shape, const f
 
 /// The same of the triangles that meet a ball; the others may reach farther.
 /// @param ball tree frame: x, y, z, radius, enlarged by its rounding
-bool lwi_near_stays_below( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float most, const float ball[4] );
+bool lwi_near_stays_below( const lwi_kernels* kernels, const lw_shape* shape, const float n[3], float most,
+	const float ball[4] );
 
 LW_EXTERN_C_END
 

@@ -31,7 +31,7 @@ typedef struct builder
 	const lw_allocator* allocator;
 	lw_sphere_fit fit;
 	lwi_tree_items items; ///< [item_count]
-	uint32_t* stamp;  ///< [point_count] last gathering that met the point; of triangles
+	uint32_t* stamp;      ///< [point_count] last gathering that met the point; of triangles
 	uint32_t gathering;
 	double* gathered;       ///< [gather_capacity][3]
 	double* gathered_radii; ///< [gather_capacity] of balls with radii and of boxes
@@ -114,13 +114,13 @@ static void fit_range( builder* b, size_t begin, size_t end, lw_sphere_fit fit, 
 {
 	lwi_family family = b->input->family;
 	size_t count = family == LWI_TRIANGLES ? gather_corners( b, begin, end )
-		: family == LWI_BALLS ? gather_centers( b, begin, end )
-							  : gather_boxes( b, begin, end );
+				   : family == LWI_BALLS   ? gather_centers( b, begin, end )
+										   : gather_boxes( b, begin, end );
 	bool corners = family == LWI_BOXES && end - begin <= CORNER_COUNT;
 	const double* radii = b->input->radii != NULL || ( family == LWI_BOXES && !corners ) ? b->gathered_radii : NULL;
-	lwi_ball ball = radii != NULL ? lwi_fit_balls( b->gathered, radii, count )
-		: fit == LW_FIT_COMPACT ? lwi_fit_compact( b->gathered, count )
-								: lwi_fit_minimal( b->gathered, count );
+	lwi_ball ball = radii != NULL           ? lwi_fit_balls( b->gathered, radii, count )
+					: fit == LW_FIT_COMPACT ? lwi_fit_compact( b->gathered, count )
+											: lwi_fit_minimal( b->gathered, count );
 	if ( family == LWI_TRIANGLES )
 	{
 		lwi_ball_around_points( ball.center, b->gathered, count, b->input->slack, sphere );
@@ -133,7 +133,7 @@ static void fit_range( builder* b, size_t begin, size_t end, lw_sphere_fit fit, 
 
 static lwi_ball ball_of( const float sphere[4] )
 {
-	return (lwi_ball){ lwi_v3( (double)sphere[0], (double)sphere[1], (double)sphere[2] ), (double)sphere[3] };
+	return ( lwi_ball ){ lwi_v3( (double)sphere[0], (double)sphere[1], (double)sphere[2] ), (double)sphere[3] };
 }
 
 /// Greedy sphere of a leaf: the spheres of its items, combined pair by pair.
@@ -209,7 +209,8 @@ static void fill_ball_leaf( const builder* b, size_t begin, size_t count, lwi_ba
 		leaf->x[lane] = pad ? 0.0f : (float)p[0];
 		leaf->y[lane] = pad ? 0.0f : (float)p[1];
 		leaf->z[lane] = pad ? 0.0f : (float)p[2];
-		leaf->r[lane] = pad ? -INFINITY : lwi_round_up( b->input->radii != NULL ? b->input->radii[index] : b->input->radius );
+		leaf->r[lane] =
+			pad ? -INFINITY : lwi_round_up( b->input->radii != NULL ? b->input->radii[index] : b->input->radius );
 		leaf->child[lane] = pad ? LW_INVALID_INDEX : (uint32_t)index;
 	}
 }
@@ -312,7 +313,7 @@ static size_t open_children( builder* b, size_t begin, size_t end, uint32_t dept
 	uint32_t levels_below = LWI_MAX_DEPTH - 1 - depth;
 	bool balanced = levels_below < 9 && lwi_tree_leaves( &b->items, end - begin ) > (size_t)1 << 3 * levels_below;
 	size_t count = 1;
-	children[0] = (range){ begin, end, 0.0f };
+	children[0] = ( range ){ begin, end, 0.0f };
 	while ( count < LWI_WIDTH )
 	{
 		size_t chosen = choose_child( b, children, count, balanced );
@@ -323,7 +324,7 @@ static size_t open_children( builder* b, size_t begin, size_t end, uint32_t dept
 		range* c = &children[chosen];
 		size_t middle = lwi_tree_split( &b->items, c->begin, c->end, balanced );
 		assert( middle > c->begin && middle < c->end );
-		children[count] = (range){ middle, c->end, lwi_tree_diagonal_sq( &b->items, middle, c->end ) };
+		children[count] = ( range ){ middle, c->end, lwi_tree_diagonal_sq( &b->items, middle, c->end ) };
 		c->end = middle;
 		c->diagonal_sq = lwi_tree_diagonal_sq( &b->items, c->begin, middle );
 		opened[count++] = chosen;
@@ -402,7 +403,8 @@ static void fill_items( builder* b )
 		float r = in->radii != NULL ? (float)in->radii[i] : 0.0f; // one radius for all changes no split
 		for ( size_t k = 0; k < points; ++k )
 		{
-			const double* p = in->points + 3 * ( in->family == LWI_TRIANGLES ? (size_t)in->corners[3 * i + k] : points * i + k );
+			const double* p =
+				in->points + 3 * ( in->family == LWI_TRIANGLES ? (size_t)in->corners[3 * i + k] : points * i + k );
 			for ( int axis = 0; axis < 3; ++axis )
 			{
 				float low = (float)p[axis] - r, high = (float)p[axis] + r;

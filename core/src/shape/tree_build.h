@@ -17,8 +17,8 @@ typedef struct lwi_tree_input
 	const uint32_t* triangles; ///< [item_count] original triangle of each tile; NULL = its own index
 	const double* radii;       ///< [item_count] of balls; NULL = all have `radius`
 	double radius;
-	size_t item_count;         ///< 1 to LWI_MAX_ITEMS
-	double slack;              ///< metres: error of the points against the geometry they stand for
+	size_t item_count; ///< 1 to LWI_MAX_ITEMS
+	double slack;      ///< metres: error of the points against the geometry they stand for
 } lwi_tree_input;
 
 /// The tree of an lw_shape.
@@ -27,7 +27,7 @@ typedef struct lwi_tree
 	lwi_ref root;
 	float root_sphere[4];
 	uint32_t node_count, leaf_count, depth;
-	lwi_node* nodes;  ///< [node_count], depth-first, parents before children; NULL if the root is a leaf
+	lwi_node* nodes; ///< [node_count], depth-first, parents before children; NULL if the root is a leaf
 	// [leaf_count], depth-first: those of the family, the others are NULL
 	lwi_leaf* leaves;
 	lwi_ball_leaf* ball_leaves;

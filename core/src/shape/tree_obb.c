@@ -195,7 +195,8 @@ static patch find( const finder* f, lwi_ref ref )
 		for ( int k = 0; k < 3; ++k )
 		{
 			const float* a = axis[k];
-			double middle = (double)a[0] * (double)node->x[i] + (double)a[1] * (double)node->y[i] + (double)a[2] * (double)node->z[i];
+			double middle =
+				(double)a[0] * (double)node->x[i] + (double)a[1] * (double)node->y[i] + (double)a[2] * (double)node->z[i];
 			obbs.n[k][i] = axis[0][k];
 			obbs.t[k][i] = axis[1][k];
 			obbs.low[k][i] = lwi_round_down( (double)spans[k].low - middle - slack );

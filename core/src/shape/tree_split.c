@@ -42,7 +42,10 @@ static inline float diagonal_sq( const box* b )
 }
 
 /// Twice the centre of the item's box.
-static inline float center_of( const lwi_tree_item* i, int axis ) { return i->lo[axis] + i->hi[axis]; }
+static inline float center_of( const lwi_tree_item* i, int axis )
+{
+	return i->lo[axis] + i->hi[axis];
+}
 
 static box center_box( const lwi_tree_items* b, size_t begin, size_t end )
 {
@@ -266,7 +269,7 @@ static size_t split_binned( lwi_tree_items* b, size_t begin, size_t end )
 		scale[axis] = isfinite( scale[axis] ) ? scale[axis] : 0.0f; // widths of denormals
 		for ( int i = 0; i < BIN_COUNT; ++i )
 		{
-			bins[axis][i] = (bin){ empty_box, 0 };
+			bins[axis][i] = ( bin ){ empty_box, 0 };
 		}
 	}
 	for ( size_t i = begin; i < end; ++i )
@@ -310,7 +313,7 @@ static size_t split_binned( lwi_tree_items* b, size_t begin, size_t end )
 
 size_t lwi_tree_split( lwi_tree_items* b, size_t begin, size_t end, bool balanced )
 {
-	return balanced ? split_balanced( b, begin, end )
-		: end - begin <= SWEEP_COUNT ? split_sweep( b, begin, end )
-									 : split_binned( b, begin, end );
+	return balanced                     ? split_balanced( b, begin, end )
+		   : end - begin <= SWEEP_COUNT ? split_sweep( b, begin, end )
+										: split_binned( b, begin, end );
 }

@@ -69,8 +69,8 @@ static bool is_in_obb( const walker* w, uint32_t level, lw_vec3 p, double slack 
 	for ( int i = 0; i < 3; ++i )
 	{
 		double height = lwi_dot( axis[i], q );
-		within = within && fabs( lwi_length( axis[i] ) - 1 ) <= FLOAT_TOLERANCE && height >= (double)b->low[i][lane] - slack &&
-				 height <= (double)b->high[i][lane] + slack;
+		within = within && fabs( lwi_length( axis[i] ) - 1 ) <= FLOAT_TOLERANCE &&
+				 height >= (double)b->low[i][lane] - slack && height <= (double)b->high[i][lane] + slack;
 	}
 	return within;
 }
@@ -224,7 +224,8 @@ static bool check_pad( walker* w, uint32_t index, uint32_t lane )
 	for ( int k = 0; k < 9 && w->shape->family == LWI_TRIANGLES; ++k )
 	{
 		const lwi_leaf* leaf = &w->shape->leaves[index];
-		neutral = neutral && leaf->v[k / 3][k % 3][lane] == leaf->v[k / 3][k % 3][0] && leaf->triangle[lane] == leaf->triangle[0];
+		neutral =
+			neutral && leaf->v[k / 3][k % 3][lane] == leaf->v[k / 3][k % 3][0] && leaf->triangle[lane] == leaf->triangle[0];
 	}
 	return neutral || fail( w, index, "a pad lane of a leaf is not neutral" );
 }
@@ -240,10 +241,10 @@ static bool check_leaf( walker* w, lwi_ref ref, uint32_t level )
 	++w->leaves;
 	for ( uint32_t lane = 0; lane < LWI_WIDTH; ++lane )
 	{
-		bool valid = lane >= count ? check_pad( w, index, lane )
-			: w->shape->family == LWI_BALLS ? check_ball( w, &w->shape->ball_leaves[index], lane, level, index )
-			: w->shape->family == LWI_BOXES ? check_box( w, &w->shape->box_leaves[index], lane, level, index )
-											: check_lane( w, &w->shape->leaves[index], lane, level, index );
+		bool valid = lane >= count                   ? check_pad( w, index, lane )
+					 : w->shape->family == LWI_BALLS ? check_ball( w, &w->shape->ball_leaves[index], lane, level, index )
+					 : w->shape->family == LWI_BOXES ? check_box( w, &w->shape->box_leaves[index], lane, level, index )
+													 : check_lane( w, &w->shape->leaves[index], lane, level, index );
 		if ( !valid )
 		{
 			return false;

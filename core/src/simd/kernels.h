@@ -35,7 +35,10 @@ LW_EXTERN_C_BEGIN
 #define LWI_GAP_UNDERFLOW 0x1p-68
 
 /// Metres by which a gap of things of this size may be too large.
-static inline double lwi_gap_slack( double size ) { return LWI_GAP_SLACK * ( 0.5 * (double)FLT_EPSILON ) * size + LWI_GAP_UNDERFLOW; }
+static inline double lwi_gap_slack( double size )
+{
+	return LWI_GAP_SLACK * ( 0.5 * (double)FLT_EPSILON ) * size + LWI_GAP_UNDERFLOW;
+}
 
 /// Eight triangles, [vertex][axis][lane].
 typedef float lwi_triangles8[3][3][LWI_WIDTH];
@@ -77,16 +80,17 @@ typedef struct lwi_kernels
 	/// distance of one oriented box and eight, by their slabs along the line of the centres of their spheres and along
 	/// `along` (unit, from the node to the other; NULL for none); NaN for pads
 	uint32_t ( *obb_gap )( const lwi_node* node, const lwi_obb8* obbs, const lwi_obb* other, const float along[3],
-		float limit,
-		float gap[LWI_WIDTH] );
+		float limit, float gap[LWI_WIDTH] );
 	/// pairs of spheres in blocks of float[4][8] whose gap does not reach `limit` >= 0, by its square: `near` gets 256 *
 	/// lower + higher index. mask[i * stride + block]: which of a block's are compared with sphere i, a later one; returns
 	/// their count
-	uint32_t ( *sphere_pairs )( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float limit, uint16_t* near );
+	uint32_t ( *sphere_pairs )( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float limit,
+		uint16_t* near );
 	/// distance of the sphere's centre to eight boxes, minus its radius
 	uint32_t ( *box_gap )( const lwi_box8* boxes, const float sphere[4], float limit, float gap[LWI_WIDTH] );
 	/// distance of eight boxes to one in the same frame
-	uint32_t ( *box_pair_gap )( const lwi_box8* boxes, const float min[3], const float max[3], float limit, float gap[LWI_WIDTH] );
+	uint32_t (
+		*box_pair_gap )( const lwi_box8* boxes, const float min[3], const float max[3], float limit, float gap[LWI_WIDTH] );
 	/// distance of the sphere's centre to the eight triangles of a leaf, minus its radius; direction[axis][lane] is the
 	/// slab's direction (any length), from triangle to centre
 	uint32_t ( *leaf_gap )( const lwi_leaf* leaf, const float sphere[4], float limit, float gap[LWI_WIDTH],
@@ -110,18 +114,15 @@ typedef struct lwi_kernels
 	/// world_from_planes room[lane]: how far below they stay, -INFINITY where nothing that touches all faces of one of the
 	/// boxes stays `hope` below
 	uint32_t ( *planes_clear )( const lwi_planes8* planes, const float r[9], const lwi_sheared_box* boxes, uint32_t count,
-		float need,
-		float hope, float room[LWI_WIDTH] );
+		float need, float hope, float room[LWI_WIDTH] );
 	/// distances of eight pairs of triangles. Lanes that reach `limit` by a cheap direction may stop there.
 	uint32_t ( *triangle_gap )( lwi_triangles8 a, lwi_triangles8 b, float limit, float gap[LWI_WIDTH] );
 	/// distance of the centres of a node's spheres to a primitive, minus their radii; motion = primitive_from_tree
 	uint32_t ( *node_primitive_gap )( const lwi_node* node, const lwi_motion* motion, const lwi_primitive* primitive,
-		float limit,
-		float gap[LWI_WIDTH] );
+		float limit, float gap[LWI_WIDTH] );
 	/// distance of the triangles of a leaf to a primitive, of the spheres around them where that is enough and to cones
 	uint32_t ( *leaf_primitive_gap )( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_primitive* primitive,
-		float limit,
-		float gap[LWI_WIDTH] );
+		float limit, float gap[LWI_WIDTH] );
 	/// cosines and sines of angles as lwi_sincos_of() has them; fastest for multiples of four
 	void ( *sincos )( const double* angle, uint32_t count, double* cosine, double* sine );
 

@@ -10,17 +10,32 @@ typedef struct v3
 	f8 x, y, z;
 } v3;
 
-static inline v3 v3_set( const float p[3] ) { return ( v3 ){ f8_set( p[0] ), f8_set( p[1] ), f8_set( p[2] ) }; }
-static inline v3 v3_load( const float ( *p )[LWI_WIDTH] ) { return ( v3 ){ f8_load( p[0] ), f8_load( p[1] ), f8_load( p[2] ) }; }
+static inline v3 v3_set( const float p[3] )
+{
+	return ( v3 ){ f8_set( p[0] ), f8_set( p[1] ), f8_set( p[2] ) };
+}
+static inline v3 v3_load( const float ( *p )[LWI_WIDTH] )
+{
+	return ( v3 ){ f8_load( p[0] ), f8_load( p[1] ), f8_load( p[2] ) };
+}
 static inline void v3_store( float ( *p )[LWI_WIDTH], v3 a )
 {
 	f8_store( p[0], a.x );
 	f8_store( p[1], a.y );
 	f8_store( p[2], a.z );
 }
-static inline v3 v3_add( v3 a, v3 b ) { return ( v3 ){ f8_add( a.x, b.x ), f8_add( a.y, b.y ), f8_add( a.z, b.z ) }; }
-static inline v3 v3_sub( v3 a, v3 b ) { return ( v3 ){ f8_sub( a.x, b.x ), f8_sub( a.y, b.y ), f8_sub( a.z, b.z ) }; }
-static inline v3 v3_mul( f8 s, v3 a ) { return ( v3 ){ f8_mul( s, a.x ), f8_mul( s, a.y ), f8_mul( s, a.z ) }; }
+static inline v3 v3_add( v3 a, v3 b )
+{
+	return ( v3 ){ f8_add( a.x, b.x ), f8_add( a.y, b.y ), f8_add( a.z, b.z ) };
+}
+static inline v3 v3_sub( v3 a, v3 b )
+{
+	return ( v3 ){ f8_sub( a.x, b.x ), f8_sub( a.y, b.y ), f8_sub( a.z, b.z ) };
+}
+static inline v3 v3_mul( f8 s, v3 a )
+{
+	return ( v3 ){ f8_mul( s, a.x ), f8_mul( s, a.y ), f8_mul( s, a.z ) };
+}
 static inline f8 v3_dot( v3 a, v3 b )
 {
 	return f8_add( f8_add( f8_mul( a.x, b.x ), f8_mul( a.y, b.y ) ), f8_mul( a.z, b.z ) );
@@ -42,9 +57,15 @@ static inline v3 v3_move( const lwi_motion* m, v3 p )
 	f8 z = f8_add( f8_add( f8_mul( f8_set( r[6] ), p.x ), f8_mul( f8_set( r[7] ), p.y ) ), f8_mul( f8_set( r[8] ), p.z ) );
 	return ( v3 ){ f8_add( x, f8_set( m->t[0] ) ), f8_add( y, f8_set( m->t[1] ) ), f8_add( z, f8_set( m->t[2] ) ) };
 }
-static inline f8 f8_clamp01( f8 a ) { return f8_min( f8_max( a, f8_set( 0.0f ) ), f8_set( 1.0f ) ); }
+static inline f8 f8_clamp01( f8 a )
+{
+	return f8_min( f8_max( a, f8_set( 0.0f ) ), f8_set( 1.0f ) );
+}
 /// A divisor: zero lengths of degenerate triangles become the smallest normal float, so that no quotient is 0 / 0.
-static inline f8 f8_divisor( f8 a ) { return f8_max( a, f8_set( 1.17549435e-38f ) ); }
+static inline f8 f8_divisor( f8 a )
+{
+	return f8_max( a, f8_set( 1.17549435e-38f ) );
+}
 
 /// Stores the gaps; bit i of the result is set where lane i does not reach the limit.
 static inline uint32_t store_gap( float gap[LWI_WIDTH], f8 value, float limit )
@@ -95,20 +116,21 @@ static uint32_t obb_gap( const lwi_node* node, const lwi_obb8* obbs, const lwi_o
 	m8 vanishes = f8_lt( length, f8_set( 0x1p-62f ) ); // or its squares do: no unit direction, no proof
 	length = f8_max( length, f8_set( 0x1p-62f ) );
 	v3 u = { f8_div( across.x, length ), f8_div( across.y, length ), f8_div( across.z, length ) };
-	f8 reach = f8_add( obb_extent( u, axis, low, high, radius ), obb_extent( u, other_axis, other_low, other_high,
-		other_radius ) );
+	f8 reach =
+		f8_add( obb_extent( u, axis, low, high, radius ), obb_extent( u, other_axis, other_low, other_high, other_radius ) );
 	f8 best = f8_select( vanishes, f8_set( -INFINITY ), f8_sub( v3_dot( u, across ), reach ) );
 	if ( along != NULL )
 	{
 		u = v3_set( along );
-		reach = f8_add( obb_extent( u, axis, low, high, radius ), obb_extent( u, other_axis, other_low, other_high,
-			other_radius ) );
+		reach = f8_add( obb_extent( u, axis, low, high, radius ),
+			obb_extent( u, other_axis, other_low, other_high, other_radius ) );
 		best = f8_max( best, f8_sub( v3_dot( u, across ), reach ) );
 	}
 	return store_gap( gap, best, limit );
 }
 
-static uint32_t sphere_pairs( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float limit, uint16_t* near )
+static uint32_t sphere_pairs( const float* blocks, uint32_t count, const uint8_t* mask, uint32_t stride, float limit,
+	uint16_t* near )
 {
 	uint32_t found = 0;
 	for ( uint32_t i = 0; i < count; ++i )
@@ -149,7 +171,8 @@ static uint32_t box_gap( const lwi_box8* boxes, const float sphere[4], float lim
 	return store_gap( gap, f8_sub( f8_sqrt( sum ), f8_set( sphere[3] ) ), limit );
 }
 
-static uint32_t box_pair_gap( const lwi_box8* boxes, const float min[3], const float max[3], float limit, float gap[LWI_WIDTH] )
+static uint32_t box_pair_gap( const lwi_box8* boxes, const float min[3], const float max[3], float limit,
+	float gap[LWI_WIDTH] )
 {
 	f8 sum = f8_set( 0.0f );
 	for ( int axis = 0; axis < 3; ++axis )
@@ -204,8 +227,8 @@ static uint32_t leaf_gap( const lwi_leaf* leaf, const float sphere[4], float lim
 	float direction[3][LWI_WIDTH] )
 {
 	v3 along, nearest;
-	f8 distance = point_triangle( v3_set( sphere ), v3_load( leaf->v[0] ), v3_load( leaf->v[1] ), v3_load( leaf->v[2] ), &along,
-		&nearest );
+	f8 distance = point_triangle( v3_set( sphere ), v3_load( leaf->v[0] ), v3_load( leaf->v[1] ), v3_load( leaf->v[2] ),
+		&along, &nearest );
 	v3_store( direction, along );
 	return store_gap( gap, f8_sub( distance, f8_set( sphere[3] ) ), limit );
 }
@@ -279,8 +302,7 @@ static uint32_t points_farthest( const lwi_points8* points, uint32_t blocks, con
 }
 
 static uint32_t planes_clear( const lwi_planes8* planes, const float r[9], const lwi_sheared_box* boxes, uint32_t count,
-	float need,
-	float hope, float room[LWI_WIDTH] )
+	float need, float hope, float room[LWI_WIDTH] )
 {
 	const lwi_motion turn = { { r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8] }, { 0, 0, 0 } };
 	const v3 n = v3_move( &turn, v3_load( planes->direction ) );
@@ -290,7 +312,8 @@ static uint32_t planes_clear( const lwi_planes8* planes, const float r[9], const
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		const f8 left = f8_sub( bottom, v3_dot( n, v3_set( boxes[i].middle ) ) );
-		const f8 x = f8_abs( v3_dot( n, v3_set( boxes[i].half[0] ) ) ), y = f8_abs( v3_dot( n, v3_set( boxes[i].half[1] ) ) );
+		const f8 x = f8_abs( v3_dot( n, v3_set( boxes[i].half[0] ) ) ),
+				 y = f8_abs( v3_dot( n, v3_set( boxes[i].half[1] ) ) );
 		const f8 z = f8_abs( v3_dot( n, v3_set( boxes[i].half[2] ) ) ), all = f8_add( f8_add( x, y ), z );
 		const f8 here = f8_sub( left, all );
 		clear &= m8_bits( f8_ge( here, f8_set( need ) ) );
@@ -415,8 +438,7 @@ static inline f8 primitive_distance( v3 p, const lwi_primitive* primitive )
 }
 
 static uint32_t node_primitive_gap( const lwi_node* node, const lwi_motion* motion, const lwi_primitive* primitive,
-	float limit,
-	float gap[LWI_WIDTH] )
+	float limit, float gap[LWI_WIDTH] )
 {
 	v3 center = { f8_load( node->x ), f8_load( node->y ), f8_load( node->z ) };
 	return store_gap( gap, f8_sub( primitive_distance( v3_move( motion, center ), primitive ), f8_load( node->r ) ), limit );
@@ -426,7 +448,7 @@ static uint32_t node_primitive_gap( const lwi_node* node, const lwi_motion* moti
 static inline v3 primitive_nearest( v3 p, const lwi_primitive* primitive )
 {
 	f8 sx = f8_set( primitive->size[0] ), sy = f8_set( primitive->size[1] ), sz = f8_set( primitive->size[2] ),
-		zero = f8_set( 0.0f );
+	   zero = f8_set( 0.0f );
 	if ( primitive->type == LW_SHAPE_BOX )
 	{
 		return ( v3 ){ f8_min( f8_max( p.x, f8_sub( zero, sx ) ), sx ), f8_min( f8_max( p.y, f8_sub( zero, sy ) ), sy ),
@@ -472,8 +494,8 @@ static inline f8 edge_slabs( const v3 v[3], const lwi_primitive* primitive )
 			f8 h1 = f8_add( f8_mul( np, x[p][1] ), f8_mul( nq, x[q][1] ) );
 			f8 h2 = f8_add( f8_mul( np, x[p][2] ), f8_mul( nq, x[q][2] ) );
 			f8 low = f8_min( f8_min( h0, h1 ), h2 ), high = f8_max( f8_max( h0, h1 ), h2 );
-			f8 reach = f8_add( f8_mul( f8_set( primitive->size[p] ), f8_abs( np ) ), f8_mul( f8_set( primitive->size[q] ),
-				f8_abs( nq ) ) );
+			f8 reach = f8_add( f8_mul( f8_set( primitive->size[p] ), f8_abs( np ) ),
+				f8_mul( f8_set( primitive->size[q] ), f8_abs( nq ) ) );
 			f8 width = f8_sub( f8_max( low, f8_sub( zero, high ) ), reach );
 			f8 length = f8_sqrt( f8_divisor( f8_add( f8_mul( np, np ), f8_mul( nq, nq ) ) ) );
 			best = f8_max( best, f8_div( width, length ) );
@@ -503,8 +525,7 @@ static inline f8 triangle_primitive( const v3 v[3], v3 center, const lwi_primiti
 }
 
 static uint32_t leaf_primitive_gap( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_primitive* primitive,
-	float limit,
-	float gap[LWI_WIDTH] )
+	float limit, float gap[LWI_WIDTH] )
 {
 	v3 v0 = v3_load( leaf->v[0] ), v1 = v3_load( leaf->v[1] ), v2 = v3_load( leaf->v[2] );
 	if ( primitive->type == LW_SHAPE_HALFSPACE || primitive->type == LW_SHAPE_PLANE )

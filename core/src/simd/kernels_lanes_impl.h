@@ -10,10 +10,14 @@ static void lane_frame( const lwi_batch_frame* restrict above, const lwi_batch_j
 	for ( int l = 0; l < LWI_WIDTH; ++l )
 	{
 		const double c = cosine[l], s = sine[l], v = value[l];
-		const double b0 = still[0] + ( c * by_cosine[0] + s * by_sine[0] ), b1 = still[1] + ( c * by_cosine[1] + s * by_sine[1] ),
-					 b2 = still[2] + ( c * by_cosine[2] + s * by_sine[2] ), b3 = still[3] + ( c * by_cosine[3] + s * by_sine[3] ),
-					 b4 = still[4] + ( c * by_cosine[4] + s * by_sine[4] ), b5 = still[5] + ( c * by_cosine[5] + s * by_sine[5] ),
-					 b6 = still[6] + ( c * by_cosine[6] + s * by_sine[6] ), b7 = still[7] + ( c * by_cosine[7] + s * by_sine[7] ),
+		const double b0 = still[0] + ( c * by_cosine[0] + s * by_sine[0] ),
+					 b1 = still[1] + ( c * by_cosine[1] + s * by_sine[1] ),
+					 b2 = still[2] + ( c * by_cosine[2] + s * by_sine[2] ),
+					 b3 = still[3] + ( c * by_cosine[3] + s * by_sine[3] ),
+					 b4 = still[4] + ( c * by_cosine[4] + s * by_sine[4] ),
+					 b5 = still[5] + ( c * by_cosine[5] + s * by_sine[5] ),
+					 b6 = still[6] + ( c * by_cosine[6] + s * by_sine[6] ),
+					 b7 = still[7] + ( c * by_cosine[7] + s * by_sine[7] ),
 					 b8 = still[8] + ( c * by_cosine[8] + s * by_sine[8] );
 		const double x = offset[0] + v * along[0], y = offset[1] + v * along[1], z = offset[2] + v * along[2];
 		double p0 = above->r[0][l], p1 = above->r[1][l], p2 = above->r[2][l];
@@ -113,7 +117,8 @@ static uint32_t batch_box( const lwi_batch_point* point, const float min[3], con
 	for ( int i = 0; i < 3; ++i )
 	{
 		// of the two at most one is not zero
-		f8 above = f8_max( f8_sub( at[i], f8_set( max[i] ) ), zero ), below = f8_max( f8_sub( f8_set( min[i] ), at[i] ), zero );
+		f8 above = f8_max( f8_sub( at[i], f8_set( max[i] ) ), zero ),
+		   below = f8_max( f8_sub( f8_set( min[i] ), at[i] ), zero );
 		*out[i] = f8_sub( above, below );
 	}
 	return batch_meet( d, v3_load( point->displacement ), f8_set( reach ) );

@@ -10,23 +10,71 @@
 typedef __m256 f8;
 typedef __m256 m8; ///< lane mask: all bits set or none
 
-static inline f8 f8_load( const float* p ) { return _mm256_loadu_ps( p ); }
-static inline void f8_store( float* p, f8 a ) { _mm256_storeu_ps( p, a ); }
-static inline f8 f8_set( float v ) { return _mm256_set1_ps( v ); }
-static inline f8 f8_add( f8 a, f8 b ) { return _mm256_add_ps( a, b ); }
-static inline f8 f8_sub( f8 a, f8 b ) { return _mm256_sub_ps( a, b ); }
-static inline f8 f8_mul( f8 a, f8 b ) { return _mm256_mul_ps( a, b ); }
-static inline f8 f8_div( f8 a, f8 b ) { return _mm256_div_ps( a, b ); }
-static inline f8 f8_min( f8 a, f8 b ) { return _mm256_min_ps( a, b ); }
-static inline f8 f8_max( f8 a, f8 b ) { return _mm256_max_ps( a, b ); }
-static inline f8 f8_sqrt( f8 a ) { return _mm256_sqrt_ps( a ); }
-static inline f8 f8_abs( f8 a ) { return _mm256_andnot_ps( _mm256_set1_ps( -0.0f ), a ); }
-static inline m8 f8_lt( f8 a, f8 b ) { return _mm256_cmp_ps( a, b, _CMP_LT_OQ ); }
-static inline m8 f8_ge( f8 a, f8 b ) { return _mm256_cmp_ps( a, b, _CMP_GE_OQ ); }
-static inline m8 m8_and( m8 a, m8 b ) { return _mm256_and_ps( a, b ); }
+static inline f8 f8_load( const float* p )
+{
+	return _mm256_loadu_ps( p );
+}
+static inline void f8_store( float* p, f8 a )
+{
+	_mm256_storeu_ps( p, a );
+}
+static inline f8 f8_set( float v )
+{
+	return _mm256_set1_ps( v );
+}
+static inline f8 f8_add( f8 a, f8 b )
+{
+	return _mm256_add_ps( a, b );
+}
+static inline f8 f8_sub( f8 a, f8 b )
+{
+	return _mm256_sub_ps( a, b );
+}
+static inline f8 f8_mul( f8 a, f8 b )
+{
+	return _mm256_mul_ps( a, b );
+}
+static inline f8 f8_div( f8 a, f8 b )
+{
+	return _mm256_div_ps( a, b );
+}
+static inline f8 f8_min( f8 a, f8 b )
+{
+	return _mm256_min_ps( a, b );
+}
+static inline f8 f8_max( f8 a, f8 b )
+{
+	return _mm256_max_ps( a, b );
+}
+static inline f8 f8_sqrt( f8 a )
+{
+	return _mm256_sqrt_ps( a );
+}
+static inline f8 f8_abs( f8 a )
+{
+	return _mm256_andnot_ps( _mm256_set1_ps( -0.0f ), a );
+}
+static inline m8 f8_lt( f8 a, f8 b )
+{
+	return _mm256_cmp_ps( a, b, _CMP_LT_OQ );
+}
+static inline m8 f8_ge( f8 a, f8 b )
+{
+	return _mm256_cmp_ps( a, b, _CMP_GE_OQ );
+}
+static inline m8 m8_and( m8 a, m8 b )
+{
+	return _mm256_and_ps( a, b );
+}
 /// mask ? a : b
-static inline f8 f8_select( m8 mask, f8 a, f8 b ) { return _mm256_blendv_ps( b, a, mask ); }
+static inline f8 f8_select( m8 mask, f8 a, f8 b )
+{
+	return _mm256_blendv_ps( b, a, mask );
+}
 /// Bit i = lane i.
-static inline uint32_t m8_bits( m8 a ) { return (uint32_t)_mm256_movemask_ps( a ); }
+static inline uint32_t m8_bits( m8 a )
+{
+	return (uint32_t)_mm256_movemask_ps( a );
+}
 
 #endif

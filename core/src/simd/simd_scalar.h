@@ -16,22 +16,25 @@ typedef struct m8
 	uint32_t bits; ///< bit i = lane i
 } m8;
 
-#define LWI_F8_LANES( expression )                                                                                           \
-	f8 result;                                                                                                               \
-	for ( int i = 0; i < 8; ++i )                                                                                            \
-	{                                                                                                                        \
-		result.v[i] = ( expression );                                                                                        \
-	}                                                                                                                        \
+#define LWI_F8_LANES( expression )                                                                                          \
+	f8 result;                                                                                                              \
+	for ( int i = 0; i < 8; ++i )                                                                                           \
+	{                                                                                                                       \
+		result.v[i] = ( expression );                                                                                       \
+	}                                                                                                                       \
 	return result
-#define LWI_F8_COMPARE( expression )                                                                                         \
-	m8 result = { 0 };                                                                                                       \
-	for ( int i = 0; i < 8; ++i )                                                                                            \
-	{                                                                                                                        \
-		result.bits |= ( expression ) ? 1u << i : 0u;                                                                        \
-	}                                                                                                                        \
+#define LWI_F8_COMPARE( expression )                                                                                        \
+	m8 result = { 0 };                                                                                                      \
+	for ( int i = 0; i < 8; ++i )                                                                                           \
+	{                                                                                                                       \
+		result.bits |= ( expression ) ? 1u << i : 0u;                                                                       \
+	}                                                                                                                       \
 	return result
 
-static inline f8 f8_load( const float* p ) { LWI_F8_LANES( p[i] ); }
+static inline f8 f8_load( const float* p )
+{
+	LWI_F8_LANES( p[i] );
+}
 static inline void f8_store( float* p, f8 a )
 {
 	for ( int i = 0; i < 8; ++i )
@@ -39,22 +42,64 @@ static inline void f8_store( float* p, f8 a )
 		p[i] = a.v[i];
 	}
 }
-static inline f8 f8_set( float v ) { LWI_F8_LANES( v ); }
-static inline f8 f8_add( f8 a, f8 b ) { LWI_F8_LANES( a.v[i] + b.v[i] ); }
-static inline f8 f8_sub( f8 a, f8 b ) { LWI_F8_LANES( a.v[i] - b.v[i] ); }
-static inline f8 f8_mul( f8 a, f8 b ) { LWI_F8_LANES( a.v[i] * b.v[i] ); }
-static inline f8 f8_div( f8 a, f8 b ) { LWI_F8_LANES( a.v[i] / b.v[i] ); }
-static inline f8 f8_min( f8 a, f8 b ) { LWI_F8_LANES( a.v[i] < b.v[i] ? a.v[i] : b.v[i] ); }
-static inline f8 f8_max( f8 a, f8 b ) { LWI_F8_LANES( a.v[i] > b.v[i] ? a.v[i] : b.v[i] ); }
-static inline f8 f8_sqrt( f8 a ) { LWI_F8_LANES( sqrtf( a.v[i] ) ); }
-static inline f8 f8_abs( f8 a ) { LWI_F8_LANES( fabsf( a.v[i] ) ); }
-static inline m8 f8_lt( f8 a, f8 b ) { LWI_F8_COMPARE( a.v[i] < b.v[i] ); }
-static inline m8 f8_ge( f8 a, f8 b ) { LWI_F8_COMPARE( a.v[i] >= b.v[i] ); }
-static inline m8 m8_and( m8 a, m8 b ) { return ( m8 ){ a.bits & b.bits }; }
+static inline f8 f8_set( float v )
+{
+	LWI_F8_LANES( v );
+}
+static inline f8 f8_add( f8 a, f8 b )
+{
+	LWI_F8_LANES( a.v[i] + b.v[i] );
+}
+static inline f8 f8_sub( f8 a, f8 b )
+{
+	LWI_F8_LANES( a.v[i] - b.v[i] );
+}
+static inline f8 f8_mul( f8 a, f8 b )
+{
+	LWI_F8_LANES( a.v[i] * b.v[i] );
+}
+static inline f8 f8_div( f8 a, f8 b )
+{
+	LWI_F8_LANES( a.v[i] / b.v[i] );
+}
+static inline f8 f8_min( f8 a, f8 b )
+{
+	LWI_F8_LANES( a.v[i] < b.v[i] ? a.v[i] : b.v[i] );
+}
+static inline f8 f8_max( f8 a, f8 b )
+{
+	LWI_F8_LANES( a.v[i] > b.v[i] ? a.v[i] : b.v[i] );
+}
+static inline f8 f8_sqrt( f8 a )
+{
+	LWI_F8_LANES( sqrtf( a.v[i] ) );
+}
+static inline f8 f8_abs( f8 a )
+{
+	LWI_F8_LANES( fabsf( a.v[i] ) );
+}
+static inline m8 f8_lt( f8 a, f8 b )
+{
+	LWI_F8_COMPARE( a.v[i] < b.v[i] );
+}
+static inline m8 f8_ge( f8 a, f8 b )
+{
+	LWI_F8_COMPARE( a.v[i] >= b.v[i] );
+}
+static inline m8 m8_and( m8 a, m8 b )
+{
+	return ( m8 ){ a.bits & b.bits };
+}
 /// mask ? a : b
-static inline f8 f8_select( m8 mask, f8 a, f8 b ) { LWI_F8_LANES( ( mask.bits >> i ) & 1u ? a.v[i] : b.v[i] ); }
+static inline f8 f8_select( m8 mask, f8 a, f8 b )
+{
+	LWI_F8_LANES( ( mask.bits >> i ) & 1u ? a.v[i] : b.v[i] );
+}
 /// Bit i = lane i.
-static inline uint32_t m8_bits( m8 a ) { return a.bits; }
+static inline uint32_t m8_bits( m8 a )
+{
+	return a.bits;
+}
 
 #undef LWI_F8_LANES
 #undef LWI_F8_COMPARE

@@ -12,23 +12,35 @@ typedef struct f8
 } f8;
 typedef f8 m8; ///< lane mask: all bits set or none
 
-#define LWI_F8_BINARY( name, intrinsic )                                                                                     \
-	static inline f8 name( f8 a, f8 b ) { return ( f8 ){ intrinsic( a.lo, b.lo ), intrinsic( a.hi, b.hi ) }; }
+#define LWI_F8_BINARY( name, intrinsic )                                                                                    \
+	static inline f8 name( f8 a, f8 b )                                                                                     \
+	{                                                                                                                       \
+		return ( f8 ){ intrinsic( a.lo, b.lo ), intrinsic( a.hi, b.hi ) };                                                  \
+	}
 
-static inline f8 f8_load( const float* p ) { return ( f8 ){ _mm_loadu_ps( p ), _mm_loadu_ps( p + 4 ) }; }
+static inline f8 f8_load( const float* p )
+{
+	return ( f8 ){ _mm_loadu_ps( p ), _mm_loadu_ps( p + 4 ) };
+}
 static inline void f8_store( float* p, f8 a )
 {
 	_mm_storeu_ps( p, a.lo );
 	_mm_storeu_ps( p + 4, a.hi );
 }
-static inline f8 f8_set( float v ) { return ( f8 ){ _mm_set1_ps( v ), _mm_set1_ps( v ) }; }
+static inline f8 f8_set( float v )
+{
+	return ( f8 ){ _mm_set1_ps( v ), _mm_set1_ps( v ) };
+}
 LWI_F8_BINARY( f8_add, _mm_add_ps )
 LWI_F8_BINARY( f8_sub, _mm_sub_ps )
 LWI_F8_BINARY( f8_mul, _mm_mul_ps )
 LWI_F8_BINARY( f8_div, _mm_div_ps )
 LWI_F8_BINARY( f8_min, _mm_min_ps )
 LWI_F8_BINARY( f8_max, _mm_max_ps )
-static inline f8 f8_sqrt( f8 a ) { return ( f8 ){ _mm_sqrt_ps( a.lo ), _mm_sqrt_ps( a.hi ) }; }
+static inline f8 f8_sqrt( f8 a )
+{
+	return ( f8 ){ _mm_sqrt_ps( a.lo ), _mm_sqrt_ps( a.hi ) };
+}
 static inline f8 f8_abs( f8 a )
 {
 	__m128 sign = _mm_set1_ps( -0.0f );

@@ -15,10 +15,22 @@ enum
 /// Otherwise a node index. LW_INVALID_INDEX = no child (pad lane).
 typedef uint32_t lwi_ref;
 #define LWI_LEAF_BIT 0x80000000u
-static inline bool lwi_ref_is_leaf( lwi_ref ref ) { return ( ref & LWI_LEAF_BIT ) != 0; }
-static inline uint32_t lwi_ref_index( lwi_ref ref ) { return lwi_ref_is_leaf( ref ) ? ref & 0x0fffffffu : ref; }
-static inline uint32_t lwi_ref_count( lwi_ref ref ) { return ( ( ref >> 28 ) & 7u ) + 1u; }
-static inline lwi_ref lwi_leaf_ref( uint32_t index, uint32_t count ) { return LWI_LEAF_BIT | ( ( count - 1u ) << 28 ) | index; }
+static inline bool lwi_ref_is_leaf( lwi_ref ref )
+{
+	return ( ref & LWI_LEAF_BIT ) != 0;
+}
+static inline uint32_t lwi_ref_index( lwi_ref ref )
+{
+	return lwi_ref_is_leaf( ref ) ? ref & 0x0fffffffu : ref;
+}
+static inline uint32_t lwi_ref_count( lwi_ref ref )
+{
+	return ( ( ref >> 28 ) & 7u ) + 1u;
+}
+static inline lwi_ref lwi_leaf_ref( uint32_t index, uint32_t count )
+{
+	return LWI_LEAF_BIT | ( ( count - 1u ) << 28 ) | index;
+}
 
 /// Spheres of the children, tree frame. Each contains all real geometry under it (double vertices *and* the rounded float
 /// triangles of its leaves), radius rounded outward. Pad lanes come last: x = y = z = 0, r = -INFINITY, LW_INVALID_INDEX.
@@ -97,9 +109,15 @@ static inline uint32_t lwi_lowest_bit( uint32_t mask )
 }
 
 /// `count` rounded up to whole blocks of LWI_WIDTH.
-static inline uint32_t lwi_padded( uint32_t count ) { return ( count + LWI_WIDTH - 1 ) / LWI_WIDTH * LWI_WIDTH; }
+static inline uint32_t lwi_padded( uint32_t count )
+{
+	return ( count + LWI_WIDTH - 1 ) / LWI_WIDTH * LWI_WIDTH;
+}
 
 /// The lowest `count` bits, count <= LWI_WIDTH.
-static inline uint32_t lwi_low_bits( uint32_t count ) { return ( 1u << count ) - 1u; }
+static inline uint32_t lwi_low_bits( uint32_t count )
+{
+	return ( 1u << count ) - 1u;
+}
 
 #endif

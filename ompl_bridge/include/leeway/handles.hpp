@@ -42,8 +42,7 @@ inline void require( lw_status status, const char* what )
 
 /// A shared reference to a reference-counted core object; copying retains, destruction releases. const access only:
 /// core objects are immutable.
-template <typename T, T* ( *Retain )( const T* ), void ( *Release )( T* )>
-class Ref
+template <typename T, T* ( *Retain )(const T*), void ( *Release )( T* )> class Ref
 {
 public:
 	Ref() = default;

@@ -15,19 +15,19 @@ namespace
 struct Property
 {
 	const char* key;
-	std::uint64_t Counters::* counter;
+	std::uint64_t Counters::*counter;
 };
 
 constexpr Property properties[] = {
-	{ "leeway states INTEGER", &Counters::states },
-	{ "leeway edges INTEGER", &Counters::edges },
-	{ "leeway edges free INTEGER", &Counters::free },
-	{ "leeway edges blocked INTEGER", &Counters::blocked },
-	{ "leeway edges undecided INTEGER", &Counters::undecided },
-	{ "leeway edge queries INTEGER", &Counters::edge_queries },
-	{ "leeway motion costs INTEGER", &Counters::motion_costs },
-	{ "leeway cost edges INTEGER", &Counters::cost_edges },
-	{ "leeway cost queries INTEGER", &Counters::cost_queries },
+    { "leeway states INTEGER", &Counters::states },
+    { "leeway edges INTEGER", &Counters::edges },
+    { "leeway edges free INTEGER", &Counters::free },
+    { "leeway edges blocked INTEGER", &Counters::blocked },
+    { "leeway edges undecided INTEGER", &Counters::undecided },
+    { "leeway edge queries INTEGER", &Counters::edge_queries },
+    { "leeway motion costs INTEGER", &Counters::motion_costs },
+    { "leeway cost edges INTEGER", &Counters::cost_edges },
+    { "leeway cost queries INTEGER", &Counters::cost_queries },
 };
 
 } // namespace
@@ -53,7 +53,7 @@ std::map<std::string, std::string> runProperties( const Counters& counters )
 }
 
 void addRunProperties( ot::Benchmark& benchmark, std::shared_ptr<const Engine> engine, ot::Benchmark::PreSetupEvent pre_run,
-	ot::Benchmark::PostSetupEvent post_run )
+    ot::Benchmark::PostSetupEvent post_run )
 {
 	if ( !engine )
 	{
@@ -61,27 +61,28 @@ void addRunProperties( ot::Benchmark& benchmark, std::shared_ptr<const Engine> e
 	}
 	auto before = std::make_shared<Counters>( engine->counters() );
 	benchmark.setPreRunEvent(
-		[engine, before, pre_run = std::move( pre_run )]( const ::ompl::base::PlannerPtr& planner )
-		{
-			*before = engine->counters();
-			if ( pre_run )
-			{
-				pre_run( planner );
-			}
-		} );
+	    [engine, before, pre_run = std::move( pre_run )]( const ::ompl::base::PlannerPtr& planner )
+	    {
+		    *before = engine->counters();
+		    if ( pre_run )
+		    {
+			    pre_run( planner );
+		    }
+	    } );
 	// RunProperties is a std::map up to OMPL 1.6 and derived from one later: use only members that both have
 	benchmark.setPostRunEvent(
-		[engine = std::move( engine ), before, post_run = std::move( post_run )]( const ::ompl::base::PlannerPtr& planner, ot::Benchmark::RunProperties& run )
-		{
-			for ( const auto& property : runProperties( difference( engine->counters(), *before ) ) )
-			{
-				run[property.first] = property.second;
-			}
-			if ( post_run )
-			{
-				post_run( planner, run );
-			}
-		} );
+	    [engine = std::move( engine ), before, post_run = std::move( post_run )](
+	        const ::ompl::base::PlannerPtr& planner, ot::Benchmark::RunProperties& run )
+	    {
+		    for ( const auto& property : runProperties( difference( engine->counters(), *before ) ) )
+		    {
+			    run[property.first] = property.second;
+		    }
+		    if ( post_run )
+		    {
+			    post_run( planner, run );
+		    }
+	    } );
 }
 
 } // namespace leeway::ompl

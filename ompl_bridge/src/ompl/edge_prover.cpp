@@ -39,8 +39,8 @@ ProvedMotion EdgeProver::proveCurve( const double* a, const double* b, const lw_
 			adapter.interpolate( a, b, double( piece + 1 ) / pieces, m_slot.to );
 		}
 		lw_edge_result result;
-		const bool done = lw_checker_edge( m_slot.checker.get(), m_slot.query.get(), m_slot.from, m_slot.to, &def,
-							  &result ) == LW_OK;
+		const bool done =
+		    lw_checker_edge( m_slot.checker.get(), m_slot.query.get(), m_slot.from, m_slot.to, &def, &result ) == LW_OK;
 		run.verdict = done ? result.verdict : LW_VERDICT_UNKNOWN;
 		run.proved_until = ( piece + ( done ? result.proved_until : 0 ) ) / pieces;
 		queries.add( done ? result.queries : 0 );

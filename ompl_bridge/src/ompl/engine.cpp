@@ -74,12 +74,15 @@ Checker checkedChecker( Checker checker )
 void requireSameStates( const lw_checker* now, const lw_checker* next )
 {
 	const auto refuse = []( const std::string& what )
-	{ throw std::invalid_argument( "leeway::ompl::Engine::update: " + what + "; make an engine for the other group or robot" ); };
+	{
+		throw std::invalid_argument(
+		    "leeway::ompl::Engine::update: " + what + "; make an engine for the other group or robot" );
+	};
 	const std::uint32_t count = lw_checker_variable_count( now );
 	if ( lw_checker_variable_count( next ) != count )
 	{
 		refuse( "the state vector has " + std::to_string( lw_checker_variable_count( next ) ) + " entries instead of " +
-			std::to_string( count ) );
+		        std::to_string( count ) );
 	}
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
@@ -101,8 +104,8 @@ void requireSameStates( const lw_checker* now, const lw_checker* next )
 } // namespace
 
 Engine::Engine( const ::ompl::base::StateSpacePtr& space, Checker checker, const Options& options )
-	: m_checker( checkedChecker( std::move( checker ) ) ), m_options( checkedOptions( options ) ),
-	  m_adapter( space, m_checker ), m_id( next_engine_id.fetch_add( 1, std::memory_order_relaxed ) )
+    : m_checker( checkedChecker( std::move( checker ) ) ), m_options( checkedOptions( options ) ),
+      m_adapter( space, m_checker ), m_id( next_engine_id.fetch_add( 1, std::memory_order_relaxed ) )
 {
 	checkTolerance( m_options.tolerance, m_checker.get() );
 	// the first slot is made here, so that a machine without memory for even one says so at once
@@ -280,8 +283,8 @@ void Engine::addUndecided( bool self, std::uint32_t a, std::uint32_t b, std::uin
 {
 	const std::lock_guard<std::mutex> lock( m_mutex );
 	const auto end = m_undecided.begin() + static_cast<std::ptrdiff_t>( m_undecided_count );
-	const auto found = std::find_if( m_undecided.begin(), end,
-		[=]( const UndecidedIds& p ) { return p.self == self && p.a == a && p.b == b; } );
+	const auto found = std::find_if(
+	    m_undecided.begin(), end, [=]( const UndecidedIds& p ) { return p.self == self && p.a == a && p.b == b; } );
 	if ( found != end )
 	{
 		found->count += times;
@@ -307,14 +310,14 @@ std::vector<UndecidedPair> Engine::undecidedPairs() const
 			// of a snapshot that was replaced while the motion was judged an object may be no more
 			const char* link = lw_robot_link_name( robot, pair.a );
 			const char* other = pair.self ? lw_robot_link_name( robot, pair.b )
-										  : lw_scene_object_name( lw_checker_scene( m_checker.get() ), pair.b );
+			                              : lw_scene_object_name( lw_checker_scene( m_checker.get() ), pair.b );
 			undecided_pair.first = link != nullptr ? link : "?";
 			undecided_pair.second = other != nullptr ? other : "?";
 		}
 		undecided_pairs.push_back( std::move( undecided_pair ) );
 	}
-	std::stable_sort(
-		undecided_pairs.begin(), undecided_pairs.end(), []( const UndecidedPair& x, const UndecidedPair& y ) { return x.count > y.count; } );
+	std::stable_sort( undecided_pairs.begin(), undecided_pairs.end(),
+	    []( const UndecidedPair& x, const UndecidedPair& y ) { return x.count > y.count; } );
 	return undecided_pairs;
 }
 
@@ -328,19 +331,23 @@ std::string Engine::describeUndecided() const
 	const Counters total = counters();
 	const UndecidedPair& most = all.front();
 	std::ostringstream text;
-	text << total.undecided << " of " << total.edges << " motions were undecided, neither proved free nor found to collide: ";
+	text << total.undecided << " of " << total.edges
+	     << " motions were undecided, neither proved free nor found to collide: ";
 	if ( most.first.empty() )
 	{
-		text << most.count << " are so long that they would take more than " << LW_EDGE_MOST_STATES << " states (narrow the joints' limits)";
+		text << most.count << " are so long that they would take more than " << LW_EDGE_MOST_STATES
+		     << " states (narrow the joints' limits)";
 		return text.str();
 	}
-	text << most.count << ( all.size() > 1 ? " of them" : "" ) << " for " << most.first << " - " << most.second << ", which come within "
-		 << most.clearance << " m of each other (";
+	text << most.count << ( all.size() > 1 ? " of them" : "" ) << " for " << most.first << " - " << most.second
+	     << ", which come within " << most.clearance << " m of each other (";
 	if ( m_options.min_d > 0 )
 	{
 		text << "min_d is " << m_options.min_d << " m: lower it; ";
 	}
-	text << ( most.self ? "disable the pair in the SRDF if it may touch: leeway pairs shows which" : "allow the contact if it is meant" ) << ")";
+	text << ( most.self ? "disable the pair in the SRDF if it may touch: leeway pairs shows which"
+	                    : "allow the contact if it is meant" )
+	     << ")";
 	return text.str();
 }
 

@@ -39,7 +39,7 @@ class ClearanceSearch
 {
 public:
 	ClearanceSearch( const Engine& engine, const EdgeProver& prover, double tolerance )
-		: m_engine( engine ), m_prover( prover ), m_tolerance( tolerance ), m_high( engine.options().max_d )
+	    : m_engine( engine ), m_prover( prover ), m_tolerance( tolerance ), m_high( engine.options().max_d )
 	{
 	}
 
@@ -103,7 +103,7 @@ private:
 		slot.cost_queries.add( 1 );
 		const lw_checker* checker = slot.checker.get();
 		if ( lw_checker_state( checker, slot.query.get(), q, options.flags, &range, true, &state ) != LW_OK ||
-			state.verdict != LW_VERDICT_FREE )
+		     state.verdict != LW_VERDICT_FREE )
 		{
 			return false;
 		}
@@ -161,15 +161,15 @@ double checkedTolerance( double tolerance )
 
 } // namespace
 
-ClearanceObjective::ClearanceObjective( const ob::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine,
-	double tolerance )
-	: ob::MinimaxObjective( si ), m_engine( std::move( engine ) ), m_states( si, m_engine ),
-	  m_tolerance( checkedTolerance( tolerance ) )
+ClearanceObjective::ClearanceObjective(
+    const ob::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine, double tolerance )
+    : ob::MinimaxObjective( si ), m_engine( std::move( engine ) ), m_states( si, m_engine ),
+      m_tolerance( checkedTolerance( tolerance ) )
 {
 	if ( !m_engine->adapter().straight() )
 	{
 		throw std::invalid_argument( "leeway::ompl::ClearanceObjective: " + m_engine->adapter().curveProblem() +
-			"; use OMPL's MaximizeMinClearanceObjective, which samples, for this space" );
+		                             "; use OMPL's MaximizeMinClearanceObjective, which samples, for this space" );
 	}
 	description_ = "Least clearance (leeway)";
 	// better than this is the cap itself, and nothing is better than the cap

@@ -27,8 +27,8 @@ struct alignas( 64 ) Engine::Slot
 {
 	std::atomic<bool> busy{ true }; ///< a new slot belongs to the thread that made it
 	Slot* next = nullptr;           ///< written before the slot is published, never after
-	Checker checker;           ///< the snapshot in use
-	std::uint64_t version = 0; ///< of it
+	Checker checker;                ///< the snapshot in use
+	std::uint64_t version = 0;      ///< of it
 	Query query;
 	std::unique_ptr<double[]> memory;
 	double *a, *b;           ///< the ends of the motion (or the state), as read; [adapter size]

@@ -181,8 +181,8 @@ void StateAdapter::collect( const ob::StateSpace* space, std::vector<unsigned>& 
 	}
 	else
 	{
-		throw std::invalid_argument( "leeway::ompl: subspace " + space->getName() +
-			" is not a RealVector, SO2, SO3, SE2, SE3 or compound space" );
+		throw std::invalid_argument(
+		    "leeway::ompl: subspace " + space->getName() + " is not a RealVector, SO2, SO3, SE2, SE3 or compound space" );
 	}
 }
 
@@ -193,7 +193,7 @@ void StateAdapter::match( const Checker& checker )
 	if ( count != m_size )
 	{
 		throw std::invalid_argument( "leeway::ompl: space " + m_space->getName() + " has " + std::to_string( m_size ) +
-			" numbers, the checker's state vector has " + std::to_string( count ) );
+		                             " numbers, the checker's state vector has " + std::to_string( count ) );
 	}
 	for ( const Part& part : m_parts )
 	{
@@ -207,8 +207,9 @@ void StateAdapter::match( const Checker& checker )
 			if ( !fits )
 			{
 				throw std::invalid_argument( "leeway::ompl: " + variableText( robot, variable ) + ", component " +
-					std::to_string( info.component ) + ", does not fit its place in subspace " + part.leaf->getName() +
-					" (quaternions, and only they, belong in SO3 subspaces)" );
+				                             std::to_string( info.component ) + ", does not fit its place in subspace " +
+				                             part.leaf->getName() +
+				                             " (quaternions, and only they, belong in SO3 subspaces)" );
 			}
 			if ( info.wraps )
 			{
@@ -217,7 +218,8 @@ void StateAdapter::match( const Checker& checker )
 			else if ( part.kind == Kind::Angle )
 			{
 				m_curve_problem = variableText( robot, variable ) +
-					" does not wrap and cannot take the shorter way round that subspace " + part.leaf->getName() + " takes";
+				                  " does not wrap and cannot take the shorter way round that subspace " +
+				                  part.leaf->getName() + " takes";
 			}
 		}
 	}
@@ -275,7 +277,7 @@ void StateAdapter::compareCurves()
 				if ( !( std::fabs( got[k] - expected[k] ) <= tolerance * scale ) )
 				{
 					m_curve_problem =
-						"space " + m_space->getName() + " does not interpolate straight (Dubins, Reeds-Shepp, ...)";
+					    "space " + m_space->getName() + " does not interpolate straight (Dubins, Reeds-Shepp, ...)";
 					return;
 				}
 			}
@@ -425,8 +427,8 @@ unsigned StateAdapter::pieceCount( const double* a, const double* b ) const
 
 bool StateAdapter::hasCloseRotations( const double* a, const double* b ) const
 {
-	return std::any_of( m_parts.begin(), m_parts.end(), [&]( const Part& part )
-		{ return part.kind == Kind::Rotation && closeRotation( a + part.first, b + part.first ); } );
+	return std::any_of( m_parts.begin(), m_parts.end(),
+	    [&]( const Part& part ) { return part.kind == Kind::Rotation && closeRotation( a + part.first, b + part.first ); } );
 }
 
 void StateAdapter::replaceCloseRotations( const double* from, double* q ) const

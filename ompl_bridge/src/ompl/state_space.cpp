@@ -32,7 +32,7 @@ class LeadingNumbers : public ob::ProjectionEvaluator
 {
 public:
 	LeadingNumbers( const ob::StateSpace* space, unsigned dimension )
-		: ob::ProjectionEvaluator( space ), m_dimension( dimension )
+	    : ob::ProjectionEvaluator( space ), m_dimension( dimension )
 	{
 	}
 	unsigned int getDimension() const override { return m_dimension; }
@@ -104,8 +104,8 @@ void setBounds( ob::RealVectorBounds& bounds, unsigned index, const Variable& va
 	if ( !( low <= high ) )
 	{
 		throw std::invalid_argument( "leeway::ompl::makeStateSpace: joint " + variable.joint + " has no range between " +
-			std::to_string( low ) + " and " + std::to_string( high ) +
-			"; give it both limits or pass a larger `unbounded`" );
+		                             std::to_string( low ) + " and " + std::to_string( high ) +
+		                             "; give it both limits or pass a larger `unbounded`" );
 	}
 	if ( high - low < locked_range )
 	{
@@ -132,11 +132,11 @@ void requireTogether( const std::vector<Variable>& variables, std::size_t first,
 	for ( unsigned i = 0; i < count; ++i )
 	{
 		const bool fits = first + i < variables.size() && variables[first + i].info.joint == variables[first].info.joint &&
-			variables[first + i].info.component == i;
+		                  variables[first + i].info.component == i;
 		if ( !fits )
 		{
 			throw std::invalid_argument( "leeway::ompl::makeStateSpace: the variables of joint " + variables[first].joint +
-				" are not together and in order in the checker's state vector" );
+			                             " are not together and in order in the checker's state vector" );
 		}
 	}
 }
@@ -154,8 +154,8 @@ std::shared_ptr<ob::StateSpace> makeVectorSpace( const std::vector<Variable>& va
 }
 
 // The subspace of the joint whose variables begin at `first`; advances `first` past them.
-std::shared_ptr<ob::StateSpace> makeJointSpace( const std::vector<Variable>& variables, std::size_t& first,
-	double unbounded )
+std::shared_ptr<ob::StateSpace> makeJointSpace(
+    const std::vector<Variable>& variables, std::size_t& first, double unbounded )
 {
 	const Variable& variable = variables[first];
 	std::shared_ptr<ob::StateSpace> result;
@@ -202,8 +202,9 @@ std::shared_ptr<ob::StateSpace> makeStateSpace( const Checker& checker, double u
 		throw std::invalid_argument( "leeway::ompl::makeStateSpace: `unbounded` must be finite and above 0" );
 	}
 	const std::vector<Variable> variables = groupVariables( checker );
-	const bool plain = std::all_of( variables.begin(), variables.end(), []( const Variable& variable )
-		{ return !variable.info.wraps && variable.type != LW_JOINT_PLANAR && variable.type != LW_JOINT_FLOATING; } );
+	const bool plain = std::all_of( variables.begin(), variables.end(),
+	    []( const Variable& variable )
+	    { return !variable.info.wraps && variable.type != LW_JOINT_PLANAR && variable.type != LW_JOINT_FLOATING; } );
 	const std::string name = lw_robot_name( lw_checker_robot( checker.get() ) );
 	if ( plain )
 	{

@@ -26,7 +26,8 @@ std::shared_ptr<const Engine> checkedEngine( const ob::SpaceInformationPtr& si, 
 	if ( si->getStateSpace() != engine->adapter().space() )
 	{
 		throw std::invalid_argument( "leeway::ompl: the space information is of space " + si->getStateSpace()->getName() +
-			", the engine was made for another one, " + engine->adapter().space()->getName() + "; make an engine for each" );
+		                             ", the engine was made for another one, " + engine->adapter().space()->getName() +
+		                             "; make an engine for each" );
 	}
 	return engine;
 }
@@ -50,7 +51,7 @@ void increment( unsigned int& counter )
 // ---- states ----
 
 StateValidityChecker::StateValidityChecker( const ob::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine )
-	: ob::StateValidityChecker( si ), m_engine( checkedEngine( si, std::move( engine ) ) )
+    : ob::StateValidityChecker( si ), m_engine( checkedEngine( si, std::move( engine ) ) )
 {
 	// a lower bound: alpha, max_d and the rounding bound all err on that side
 	specs_.clearanceComputationType = ob::StateValidityCheckerSpecs::BOUNDED_APPROXIMATE;
@@ -88,7 +89,7 @@ bool StateValidityChecker::evaluate( const ob::State* state, double& dist ) cons
 	const lw_range range = { options.min_d, options.max_d, options.alpha };
 	lw_state_result result;
 	if ( lw_checker_state( lease.checker(), lease.query(), lease.a(), options.flags, &range, true, &result ) != LW_OK ||
-		result.verdict != LW_VERDICT_FREE )
+	     result.verdict != LW_VERDICT_FREE )
 	{
 		return false;
 	}
@@ -133,13 +134,13 @@ double StateValidityChecker::clearance( const ob::State* state, ob::State*, bool
 // ---- motions ----
 
 MotionValidator::MotionValidator( const ob::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine )
-	: ob::MotionValidator( si ), m_engine( checkedEngine( si, std::move( engine ) ) ), m_def( lw_edge_def_default() ),
-	  m_last_def( m_def )
+    : ob::MotionValidator( si ), m_engine( checkedEngine( si, std::move( engine ) ) ), m_def( lw_edge_def_default() ),
+      m_last_def( m_def )
 {
 	if ( !m_engine->adapter().straight() )
 	{
 		throw std::invalid_argument( "leeway::ompl::MotionValidator: " + m_engine->adapter().curveProblem() +
-			"; use leeway's StateValidityChecker with OMPL's own motion validator for this space" );
+		                             "; use leeway's StateValidityChecker with OMPL's own motion validator for this space" );
 	}
 	const Options& options = m_engine->options();
 	m_def.method = options.method;
@@ -193,8 +194,8 @@ bool MotionValidator::isFreeBothWays( const EdgeProver& prover ) const
 }
 
 // Writes the last valid state and returns its t. Both ends are in the slot by now, so `out` may be s1 or s2.
-double MotionValidator::writeLastValid( const EdgeProver& prover, const ProvedRun& run, const ob::State* s1,
-	ob::State* out ) const
+double MotionValidator::writeLastValid(
+    const EdgeProver& prover, const ProvedRun& run, const ob::State* s1, ob::State* out ) const
 {
 	const StateAdapter& adapter = m_engine->adapter();
 	Engine::Slot& slot = prover.slot();
@@ -213,7 +214,7 @@ double MotionValidator::writeLastValid( const EdgeProver& prover, const ProvedRu
 		adapter.interpolate( slot.a, slot.b, t, slot.result );
 		adapter.enforceBounds( slot.result );
 		if ( !clear( m_engine->options(), slot.checker.get(), slot.query.get(), slot.result ) ||
-			( run.within_slack && !isFreeBothWays( prover ) ) )
+		     ( run.within_slack && !isFreeBothWays( prover ) ) )
 		{
 			continue;
 		}

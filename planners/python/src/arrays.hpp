@@ -131,9 +131,11 @@ template <typename T> struct type_caster<leeway::python::Numbers<T>>
 		{
 			const module_ numpy = module_::import_( "numpy" );
 			const object given = numpy.attr( "asarray" )( source );
-			const object real = numpy.attr( "can_cast" )( given.attr( "dtype" ), std::is_same_v<T, double> ? "float64" : "uint32", "same_kind" );
+			const object real = numpy.attr( "can_cast" )(
+			    given.attr( "dtype" ), std::is_same_v<T, double> ? "float64" : "uint32", "same_kind" );
 			return cast<bool>( real ) &&
-			       try_cast( numpy.attr( "ascontiguousarray" )( given, std::is_same_v<T, double> ? "float64" : "uint32" ), value.array, false );
+			       try_cast( numpy.attr( "ascontiguousarray" )( given, std::is_same_v<T, double> ? "float64" : "uint32" ),
+			           value.array, false );
 		}
 		catch ( ... )
 		{

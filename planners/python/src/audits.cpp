@@ -88,7 +88,8 @@ Path pathOf( const PyChecker& checker, const nb::object& given )
 		const std::vector<std::string> elsewhere = motions::startDifferences( file, *checker.problem );
 		if ( !elsewhere.empty() )
 		{
-			throw io::Error( path.file, "start_state", elsewhere.front(), "give the checker this state of the joints: Checker(..., reference=)" );
+			throw io::Error( path.file, "start_state", elsewhere.front(),
+			    "give the checker this state of the joints: Checker(..., reference=)" );
 		}
 		return path;
 	}
@@ -106,8 +107,8 @@ Path pathOf( const PyChecker& checker, const nb::object& given )
 	return path;
 }
 
-std::vector<double> toleranceOf( const PyChecker& checker, const std::string& file, const std::map<std::string, double>& of_goal,
-    const nb::object& given )
+std::vector<double> toleranceOf( const PyChecker& checker, const std::string& file,
+    const std::map<std::string, double>& of_goal, const nb::object& given )
 {
 	std::vector<motions::Tolerance> tolerances;
 	if ( !given.is_none() )
@@ -123,8 +124,8 @@ std::vector<double> toleranceOf( const PyChecker& checker, const std::string& fi
 	return motions::tolerances( *checker.problem, file, of_goal, tolerances );
 }
 
-nb::object auditPath( const PyChecker& checker, const nb::object& given, const std::optional<double>& min_d, const std::string& check, double resolution,
-    double seconds )
+nb::object auditPath( const PyChecker& checker, const nb::object& given, const std::optional<double>& min_d,
+    const std::string& check, double resolution, double seconds )
 {
 	const Path path = pathOf( checker, given );
 	motions::AuditSettings settings;
@@ -141,8 +142,8 @@ nb::object auditPath( const PyChecker& checker, const nb::object& given, const s
 	return dictOf( toJson( audit, settings ), path.notices );
 }
 
-nb::object auditRoundings( const PyChecker& checker, const nb::object& given, double radius, const std::optional<double>& min_d, double slack,
-    const std::string& check, const nb::object& tolerance )
+nb::object auditRoundings( const PyChecker& checker, const nb::object& given, double radius,
+    const std::optional<double>& min_d, double slack, const std::string& check, const nb::object& tolerance )
 {
 	const Path path = pathOf( checker, given );
 	const std::vector<double> tolerances = toleranceOf( checker, "tolerance", {}, tolerance );
@@ -191,9 +192,9 @@ motions::JointLimits limitsOf( const nb::object& given )
 
 motions::Interpolation interpolationOf( const std::string& name )
 {
-	for ( const auto& [known, value] : { std::pair( "auto", motions::Interpolation::automatic ),
-	          std::pair( "linear", motions::Interpolation::linear ), std::pair( "cubic", motions::Interpolation::cubic ),
-	          std::pair( "quintic", motions::Interpolation::quintic ) } )
+	for ( const auto& [known, value] :
+	    { std::pair( "auto", motions::Interpolation::automatic ), std::pair( "linear", motions::Interpolation::linear ),
+	        std::pair( "cubic", motions::Interpolation::cubic ), std::pair( "quintic", motions::Interpolation::quintic ) } )
 	{
 		if ( name == known )
 		{
@@ -204,12 +205,13 @@ motions::Interpolation interpolationOf( const std::string& name )
 }
 
 nb::object auditTrajectory( const PyChecker& checker, const nb::object& times, const nb::object& positions,
-    const nb::object& velocities, const nb::object& accelerations, const std::string& interpolation, const nb::object& joint_limits,
-    double min_d, double slack, const std::string& check, const nb::object& tolerance )
+    const nb::object& velocities, const nb::object& accelerations, const std::string& interpolation,
+    const nb::object& joint_limits, double min_d, double slack, const std::string& check, const nb::object& tolerance )
 {
 	const std::string file = fileName( times );
 	const std::vector<motions::TrajectoryFile> files =
-	    file.empty() ? std::vector<motions::TrajectoryFile>{ trajectoryOf( checker, nb::cast<Doubles>( times ), positions, velocities, accelerations ) }
+	    file.empty() ? std::vector<motions::TrajectoryFile>{ trajectoryOf(
+	                       checker, nb::cast<Doubles>( times ), positions, velocities, accelerations ) }
 	                 : motions::readTrajectories( file );
 	motions::TrajectorySettings settings;
 	settings.edge.min_d = min_d;
@@ -219,7 +221,8 @@ nb::object auditTrajectory( const PyChecker& checker, const nb::object& times, c
 	settings.limits = limitsOf( joint_limits );
 	std::vector<io::Notice> notices = settings.limits.notices;
 	const std::string limits_file = fileName( joint_limits );
-	motions::noteUnknownLimits( settings.limits, limits_file.empty() ? "joint_limits" : limits_file, *checker.model, notices );
+	motions::noteUnknownLimits(
+	    settings.limits, limits_file.empty() ? "joint_limits" : limits_file, *checker.model, notices );
 	motions::startValues( files, *checker.model, notices );
 	motions::Drive drive;
 	for ( const motions::TrajectoryFile& trajectory : files )
@@ -338,30 +341,33 @@ void bindAudits( nb::module_& module, nb::class_<PyChecker>& type )
 {
 	constexpr double slack = 1e-3;
 	const motions::AuditSettings usual;
-	type.def( "audit", &auditPath, "path"_a, nb::kw_only(), "min_d"_a = nb::none(), "check"_a = "both", "resolution"_a = usual.resolution,
-	    "seconds"_a = usual.time,
-	    nb::sig( "def audit(self, path: numpy.typing.ArrayLike | str | os.PathLike, *, min_d: float | None = None, check: str = 'both', "
-	             "resolution: float = 0.0001, seconds: float = 60.0) -> dict[str, typing.Any]" ),
+	type.def( "audit", &auditPath, "path"_a, nb::kw_only(), "min_d"_a = nb::none(), "check"_a = "both",
+	    "resolution"_a = usual.resolution, "seconds"_a = usual.time,
+	    nb::sig(
+	        "def audit(self, path: numpy.typing.ArrayLike | str | os.PathLike, *, min_d: float | None = None, check: str = 'both', "
+	        "resolution: float = 0.0001, seconds: float = 60.0) -> dict[str, typing.Any]" ),
 	    "Measures a path by dense exact states, without the proofs of edges: the audit of `leeway audit`.\n\n"
 	    "path: float64 [n, dof], or a path file of `leeway plan`, whose other joints have to stand where the checker has them. min_d: of the file\n"
 	    "unless given, else 0. resolution: metres, near contact no robot point moves farther between\n"
 	    "two states. seconds: then it ends, and the path is not valid. Returns the program's report: valid, problems, states, length, and\n"
 	    "of environment and self the least clearance with its pair and place, also between the states; profile in hundredths; notices, lines: what\n"
 	    "was read and has no say." );
-	type.def( "audit_roundings", &auditRoundings, "path"_a, "radius"_a, nb::kw_only(), "min_d"_a = nb::none(), "slack"_a = slack,
-	    "check"_a = "both", "tolerance"_a = nb::none(),
-	    nb::sig( "def audit_roundings(self, path: numpy.typing.ArrayLike | str | os.PathLike, radius: float, *, min_d: float | None = None, "
-	             "slack: float = 0.001, check: str = 'both', tolerance: numpy.typing.ArrayLike | None = None) -> dict[str, typing.Any]" ),
+	type.def( "audit_roundings", &auditRoundings, "path"_a, "radius"_a, nb::kw_only(), "min_d"_a = nb::none(),
+	    "slack"_a = slack, "check"_a = "both", "tolerance"_a = nb::none(),
+	    nb::sig(
+	        "def audit_roundings(self, path: numpy.typing.ArrayLike | str | os.PathLike, radius: float, *, min_d: float | None = None, "
+	        "slack: float = 0.001, check: str = 'both', tolerance: numpy.typing.ArrayLike | None = None) -> dict[str, typing.Any]" ),
 	    "Proves a path and all roundings of its corners that stay within `radius` (radians, metres) of them: `leeway audit --corner-blend`.\n\n"
 	    "Returns the program's report: verdict, corners, lower_bound, notices; not FREE: the point, pair, clearance, state, and free_radius. path, min_d: as for audit()." );
 	type.def( "audit_trajectory", &auditTrajectory, "times"_a, "positions"_a = nb::none(), "velocities"_a = nb::none(),
-	    "accelerations"_a = nb::none(), nb::kw_only(), "interpolation"_a = "auto", "joint_limits"_a = nb::none(), "min_d"_a = 0.0,
-	    "slack"_a = slack, "check"_a = "both", "tolerance"_a = nb::none(),
-	    nb::sig( "def audit_trajectory(self, times: numpy.typing.ArrayLike | str | os.PathLike, positions: numpy.typing.ArrayLike | None = None, "
-	             "velocities: numpy.typing.ArrayLike | None = None, accelerations: numpy.typing.ArrayLike | None = None, *, "
-	             "interpolation: str = 'auto', joint_limits: str | os.PathLike | dict[str, dict[str, float]] | None = None, "
-	             "min_d: float = 0.0, slack: float = 0.001, check: str = 'both', tolerance: numpy.typing.ArrayLike | None = None) -> "
-	             "dict[str, typing.Any]" ),
+	    "accelerations"_a = nb::none(), nb::kw_only(), "interpolation"_a = "auto", "joint_limits"_a = nb::none(),
+	    "min_d"_a = 0.0, "slack"_a = slack, "check"_a = "both", "tolerance"_a = nb::none(),
+	    nb::sig(
+	        "def audit_trajectory(self, times: numpy.typing.ArrayLike | str | os.PathLike, positions: numpy.typing.ArrayLike | None = None, "
+	        "velocities: numpy.typing.ArrayLike | None = None, accelerations: numpy.typing.ArrayLike | None = None, *, "
+	        "interpolation: str = 'auto', joint_limits: str | os.PathLike | dict[str, dict[str, float]] | None = None, "
+	        "min_d: float = 0.0, slack: float = 0.001, check: str = 'both', tolerance: numpy.typing.ArrayLike | None = None) -> "
+	        "dict[str, typing.Any]" ),
 	    "Proves a timed trajectory at all times, and compares its positions, velocities and accelerations with their limits: `leeway audit\n"
 	    "--trajectory`.\n\n"
 	    "times: a file (JointTrajectory, RobotTrajectory, DisplayTrajectory, FollowJointTrajectory goal, CSV), or float64 [n] seconds with\n"

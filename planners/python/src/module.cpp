@@ -39,7 +39,7 @@ NB_MODULE( _core, module )
 	module.doc() = "Certified clearance and motion checks of robots: the compiled part of the package leeway.";
 	const std::uint32_t version = lw_version();
 	module.attr( "version" ) = std::to_string( version / 10000 ) + "." + std::to_string( version / 100 % 100 ) + "." +
-	                               std::to_string( version % 100 );
+	                           std::to_string( version % 100 );
 	bindErrors( module );
 	namespace nb = nanobind;
 	module.def(

@@ -30,8 +30,8 @@ struct EdgeOptions
 	Doubles tolerance; ///< keeps def.tolerance alive
 };
 
-EdgeOptions edgeOptions( const PyChecker& checker, double min_d, double slack, const std::string& check, const nb::object& step,
-    const nb::object& tolerance, bool proved_until, double alpha = lw_edge_def_default().alpha )
+EdgeOptions edgeOptions( const PyChecker& checker, double min_d, double slack, const std::string& check,
+    const nb::object& step, const nb::object& tolerance, bool proved_until, double alpha = lw_edge_def_default().alpha )
 {
 	EdgeOptions options;
 	options.def.alpha = alpha;
@@ -189,7 +189,8 @@ void bindMotions( nb::class_<PyChecker>& type )
 	constexpr double slack = 1e-3;
 	const double alpha = lw_edge_def_default().alpha;
 	type.def( "edges", &edges, "a"_a, "b"_a, nb::kw_only(), "min_d"_a = 0.0, "slack"_a = slack, "check"_a = "both",
-	    "step"_a = nb::none(), "tolerance"_a = nb::none(), "proved_until"_a = false, "alpha"_a = alpha, "threads"_a.none() = 1,
+	    "step"_a = nb::none(), "tolerance"_a = nb::none(), "proved_until"_a = false, "alpha"_a = alpha,
+	    "threads"_a.none() = 1,
 	    nb::sig(
 	        "def edges(self, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike, *, min_d: float = 0.0, slack: float = 0.001, "
 	        "check: str = 'both', step: float | None = None, tolerance: numpy.typing.ArrayLike | None = None, "
@@ -202,7 +203,8 @@ void bindMotions( nb::class_<PyChecker>& type )
 	    "Returns arrays [n]: verdicts (leeway.Verdict), t of the colliding or undecided state, proved lower bounds of all clearances,\n"
 	    "shares proved, and of the deciding pair: indices into `names`, clearance, witnesses [n, 2, 3]." );
 	type.def( "path", &path, "q"_a, nb::kw_only(), "min_d"_a = 0.0, "slack"_a = slack, "check"_a = "both",
-	    "step"_a = nb::none(), "tolerance"_a = nb::none(), "proved_until"_a = false, "alpha"_a = alpha, "threads"_a.none() = 1,
+	    "step"_a = nb::none(), "tolerance"_a = nb::none(), "proved_until"_a = false, "alpha"_a = alpha,
+	    "threads"_a.none() = 1,
 	    nb::sig(
 	        "def path(self, q: numpy.typing.ArrayLike, *, min_d: float = 0.0, slack: float = 0.001, check: str = 'both', "
 	        "step: float | None = None, tolerance: numpy.typing.ArrayLike | None = None, proved_until: bool = False, "

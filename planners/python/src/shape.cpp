@@ -34,7 +34,8 @@ Shape meshShape( const Doubles& vertices, const nb::object& corners, bool solid,
 	def.vertices = tableOf( vertices, 3, "vertices" );
 	def.vertex_count = static_cast<std::uint32_t>( vertices.shape( 0 ) );
 	const Indices triangles = indicesOf( corners, "triangles", "vertices", vertices.shape( 0 ) );
-	if ( triangles.dimensions() != 2 || triangles.shape( 1 ) != 3 || triangles.shape( 0 ) > std::numeric_limits<std::uint32_t>::max() )
+	if ( triangles.dimensions() != 2 || triangles.shape( 1 ) != 3 ||
+	     triangles.shape( 0 ) > std::numeric_limits<std::uint32_t>::max() )
 	{
 		const std::string text =
 		    "triangles: shape " + shapeText( triangles ) + " is not (n, 3); give rows of three indices of vertices";

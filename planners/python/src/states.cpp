@@ -130,7 +130,8 @@ nb::object isFree( const PyChecker& checker, const Doubles& q, double min_d, con
 		    }
 		    for ( std::size_t i = begin; i < end; ++i ) // one of these is bad
 		    {
-			    const lw_status status = lw_checker_is_free( checker.get(), query, rows[i], flags, min_d, free.data + i, nullptr );
+			    const lw_status status =
+			        lw_checker_is_free( checker.get(), query, rows[i], flags, min_d, free.data + i, nullptr );
 			    if ( status != LW_OK )
 			    {
 				    failState( status, rows, i );

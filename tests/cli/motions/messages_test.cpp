@@ -157,21 +157,31 @@ TEST_F( CliMessages, JointLimitsAreDropped )
 	EXPECT_EQ( said( on ).substr( 0, 2 ), "1 " );
 	for ( const char* yes : { "yes", "True", "TRUE", "on" } )
 	{
-		EXPECT_EQ( said( "joint_limits: {shoulder: {has_velocity_limits: " + std::string( yes ) + ", max_velocity: 0.001}}\n" ).substr( 0, 2 ), "1 " );
+		EXPECT_EQ(
+		    said( "joint_limits: {shoulder: {has_velocity_limits: " + std::string( yes ) + ", max_velocity: 0.001}}\n" )
+		        .substr( 0, 2 ),
+		    "1 " );
 	}
-	for ( const auto& [text, problem] : { std::pair( std::string( "joint_limits: {shoulder: {has_velocity_limits: maybe}}\n" ), "neither true nor false" ),
-	          std::pair( std::string( "joint_limits: {shoulder: {has_velocity_limits: [[1]]}}\n" ), "neither true nor false" ),
-	          std::pair( std::string( "joint_limits: {shoulder: {has_velocity_limit: true}}\n" ), "is has_velocity_limits meant?" ),
-	          std::pair( std::string( "joint_limits: {shoulder: {zebra: 1}}\n" ), "zebra" ), std::pair( std::string( "joint_limits: {shoulder: 3}\n" ), "is no map" ),
-	          std::pair( std::string( "joint_limits: {shoulder: {has_velocity_limits: false, max_velocity: x}}\n" ), "max_velocity" ),
-	          std::pair( on + "zebra: 1\n", "zebra" ), std::pair( on + "---\n" + on, "several YAML documents" ),
-	          std::pair( std::string( "joint_limits: {shoulder: {max_velocity: x}}\n" ), "there is no has_velocity_limits" ) } )
+	for ( const auto& [text, problem] :
+	    { std::pair( std::string( "joint_limits: {shoulder: {has_velocity_limits: maybe}}\n" ), "neither true nor false" ),
+	        std::pair( std::string( "joint_limits: {shoulder: {has_velocity_limits: [[1]]}}\n" ), "neither true nor false" ),
+	        std::pair(
+	            std::string( "joint_limits: {shoulder: {has_velocity_limit: true}}\n" ), "is has_velocity_limits meant?" ),
+	        std::pair( std::string( "joint_limits: {shoulder: {zebra: 1}}\n" ), "zebra" ),
+	        std::pair( std::string( "joint_limits: {shoulder: 3}\n" ), "is no map" ),
+	        std::pair(
+	            std::string( "joint_limits: {shoulder: {has_velocity_limits: false, max_velocity: x}}\n" ), "max_velocity" ),
+	        std::pair( on + "zebra: 1\n", "zebra" ), std::pair( on + "---\n" + on, "several YAML documents" ),
+	        std::pair(
+	            std::string( "joint_limits: {shoulder: {max_velocity: x}}\n" ), "there is no has_velocity_limits" ) } )
 	{
 		const std::string told = said( text );
-		EXPECT_TRUE( told.substr( 0, 2 ) == "2 " && contains( told, problem ) && contains( told, "l.yaml" ) ) << text << told;
+		EXPECT_TRUE( told.substr( 0, 2 ) == "2 " && contains( told, problem ) && contains( told, "l.yaml" ) )
+		    << text << told;
 	}
 	EXPECT_TRUE( contains( said( on + "    has_position_limits: true\n" ), "has_position_limits (line 5): is not used" ) );
-	EXPECT_TRUE( contains( said( "joint_limits: {shoulder: {has_velocity_limits: false, max_velocity: 3}}\n" ), "has_velocity_limits is not true" ) );
+	EXPECT_TRUE( contains( said( "joint_limits: {shoulder: {has_velocity_limits: false, max_velocity: 3}}\n" ),
+	    "has_velocity_limits is not true" ) );
 	EXPECT_FALSE( contains( said( on + "    has_acceleration_limits: false\n    max_acceleration: 0\n" ), "notice" ) );
 }
 
@@ -246,7 +256,8 @@ TEST_F( CliMessages, MeaningsThatRosHasAreNotReplacedByOthers )
 	away["trajectory_start"]["joint_state"]["position"] = { 0.3, 0 };
 	const Answer answer = audit( away );
 	EXPECT_EQ( answer.status, 1 );
-	EXPECT_TRUE( contains( answer.report.dump(), "joint shoulder is at -0.6 in its first point and at 0.3 in its start state" ) )
+	EXPECT_TRUE(
+	    contains( answer.report.dump(), "joint shoulder is at -0.6 in its first point and at 0.3 in its start state" ) )
 	    << answer.report.dump();
 	Json beyond = trajectory();
 	beyond["trajectory_start"] = robotState();
@@ -275,7 +286,8 @@ TEST_F( CliMessages, APlanWithMoreTimeThanTheClockCountsIsSolved )
 
 TEST_F( CliMessages, TextsThatReadersTakeDifferentlyAreErrors )
 {
-	const std::string good = "joint_names: [shoulder, elbow]\npoints:\n- positions: [-0.6, 0]\n  time_from_start: 0\n- positions: [-0.5, 0]\n  time_from_start: 1\n";
+	const std::string good =
+	    "joint_names: [shoulder, elbow]\npoints:\n- positions: [-0.6, 0]\n  time_from_start: 0\n- positions: [-0.5, 0]\n  time_from_start: 1\n";
 	const auto with = [&]( const std::string& text )
 	{
 		write( "t.yaml", text );
@@ -292,10 +304,12 @@ TEST_F( CliMessages, TextsThatReadersTakeDifferentlyAreErrors )
 	EXPECT_EQ( instead( "[-0.6, 0]", "&start [-0.6, 0]" ).status, 0 );
 	EXPECT_EQ( instead( "[-0.6, 0]", "[!!float -0.6, 0]" ).status, 0 );
 	// a second motion through the post, behind marks that end the first document
-	const std::string second = "joint_names: [shoulder, elbow]\npoints:\n- positions: [-0.5, 0]\n  time_from_start: 0\n- positions: [0.5, 0]\n  time_from_start: 1\n";
+	const std::string second =
+	    "joint_names: [shoulder, elbow]\npoints:\n- positions: [-0.5, 0]\n  time_from_start: 0\n- positions: [0.5, 0]\n  time_from_start: 1\n";
 	EXPECT_EQ( with( good + "---\n" + second ).status, 1 );
 	EXPECT_EQ( with( good + "--- # two\n" + second ).status, 1 );
-	for ( const std::string& text : { good + "...\n" + second, good + "--- !!map\n" + second, good + "--- {}\n" + second, good + "... # end\n---\n" + second } )
+	for ( const std::string& text : { good + "...\n" + second, good + "--- !!map\n" + second, good + "--- {}\n" + second,
+	          good + "... # end\n---\n" + second } )
 	{
 		EXPECT_TRUE( contains( with( text ).err, "line 7" ) ) << text << with( text ).err;
 	}
@@ -309,8 +323,10 @@ TEST_F( CliMessages, TextsThatReadersTakeDifferentlyAreErrors )
 	EXPECT_TRUE( contains( instead( "[shoulder, elbow]", "[shoulder]" ).err, "points[0].positions" ) );
 	EXPECT_TRUE( contains( instead( "time_from_start: 1", "time_from_start: 0" ).err, "points[1].time_from_start" ) );
 	EXPECT_TRUE( contains( instead( "time_from_start: 1", "time_from_start: {sec: 1, secs: 1}" ).err, "secs" ) );
-	EXPECT_TRUE( contains( instead( "  time_from_start: 1", "  velocities: [.nan, 0]\n  time_from_start: 1" ).err, "points[1].velocities[0]" ) );
-	write( "p.yaml", "joint_names: [shoulder, elbow]\npoints: [[-1, 0], [-0.9, 0]]\n---\njoint_names: [shoulder, elbow]\npoints: [[-1, 0], [1, 0]]\n" );
+	EXPECT_TRUE( contains( instead( "  time_from_start: 1", "  velocities: [.nan, 0]\n  time_from_start: 1" ).err,
+	    "points[1].velocities[0]" ) );
+	write( "p.yaml",
+	    "joint_names: [shoulder, elbow]\npoints: [[-1, 0], [-0.9, 0]]\n---\njoint_names: [shoulder, elbow]\npoints: [[-1, 0], [1, 0]]\n" );
 	EXPECT_TRUE( contains( runModel( "audit", { "--path", "p.yaml" }, "blocked.yaml" ).err, "2 YAML documents" ) );
 	write( "s.yaml", "<<: {world: {}}\n" + readFile( path( "blocked.yaml" ) ) );
 	EXPECT_TRUE( contains( runModel( "check", { "--states", "states.csv" }, "s.yaml" ).err, "merge keys" ) );

@@ -125,7 +125,9 @@ TEST_F( CliTrajectory, AJumpBetweenTwoTrajectoriesIsTold )
 	write( "t.json", R"({"trajectory": [)" + one + ", " + one + "]}" );
 	const Outcome outcome = audit( { "t.json" } );
 	EXPECT_EQ( outcome.status, 1 );
-	EXPECT_TRUE( contains( outcome.out, "trajectory[1].joint_trajectory: joint shoulder is at -0.6 in its first point and at -0.5 in the end of the one before" ) ) << outcome.out;
+	EXPECT_TRUE( contains( outcome.out,
+	    "trajectory[1].joint_trajectory: joint shoulder is at -0.6 in its first point and at -0.5 in the end of the one before" ) )
+	    << outcome.out;
 }
 
 TEST_F( CliTrajectory, OnePointIsAStateThatIsHeld )
@@ -236,14 +238,19 @@ TEST_F( CliTrajectory, RoundedCornersOfAFreePathMeetThePost )
 TEST_F( CliTrajectory, QuinticsKeepTheSignsOfTheirAccelerations )
 {
 	// half of s^2 (1 - s)^3 and of s^3 (1 - s)^2 times 4 s^2: 0.2 rad farther at 0.8 s and at 1.2 s
-	const std::string header = "time,shoulder,elbow,velocity:shoulder,velocity:elbow,acceleration:shoulder,acceleration:elbow\n";
+	const std::string header =
+	    "time,shoulder,elbow,velocity:shoulder,velocity:elbow,acceleration:shoulder,acceleration:elbow\n";
 	for ( const auto& [start, end, time] : { std::tuple( -2.9, 0.0, "0.8000" ), std::tuple( 0.0, -2.9, "1.2000" ) } )
 	{
 		for ( const double sign : { 1.0, -1.0 } )
 		{
-			write( "t.csv", header + "0,-1.9,0,0,0," + std::to_string( sign * start ) + ",0\n2,-1.9,0,0,0," + std::to_string( sign * end ) + ",0\n" );
+			write( "t.csv", header + "0,-1.9,0,0,0," + std::to_string( sign * start ) + ",0\n2,-1.9,0,0,0," +
+			                    std::to_string( sign * end ) + ",0\n" );
 			const std::string out = audit( { "t.csv" } ).out;
-			EXPECT_EQ( contains( out, "joint shoulder: position of -2.1" ) && contains( out, std::string( time ) + " s is below its limit -2" ), sign > 0 ) << out;
+			EXPECT_EQ( contains( out, "joint shoulder: position of -2.1" ) &&
+			               contains( out, std::string( time ) + " s is below its limit -2" ),
+			    sign > 0 )
+			    << out;
 		}
 	}
 }
@@ -261,9 +268,10 @@ TEST_F( CliTrajectory, LengthsOfAGroupWrapTheGroupsOwnJoints )
 
 TEST_F( CliTrajectory, BoundsBetweenStatesCountTheMotionOfBothBodies )
 {
-	write( "rail.urdf", "<robot name='rail'><link name='base'><collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link><link name='cart'>"
-		"<collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link><joint name='rail' type='prismatic'><parent link='base'/><child link='cart'/>"
-		"<axis xyz='1 0 0'/><limit lower='0' upper='2' effort='1' velocity='1'/></joint></robot>" );
+	write( "rail.urdf",
+	    "<robot name='rail'><link name='base'><collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link><link name='cart'>"
+	    "<collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link><joint name='rail' type='prismatic'><parent link='base'/><child link='cart'/>"
+	    "<axis xyz='1 0 0'/><limit lower='0' upper='2' effort='1' velocity='1'/></joint></robot>" );
 	write( "p.yaml", "joint_names: [rail]\npoints: [[1], [0.3]]\n" );
 	const Outcome outcome = run(
 	    { "audit", "--robot", "rail.urdf", "--strict", "--path", "p.yaml", "--report", "r.json", "--profile", "p.csv" } );
@@ -275,7 +283,8 @@ TEST_F( CliTrajectory, BoundsBetweenStatesCountTheMotionOfBothBodies )
 		const double moved = 1.001 * 0.7 * ( samples.number( i, "t" ) - samples.number( i - 1, "t" ) );
 		expected = std::min( expected, ( samples.number( i - 1, "self" ) + samples.number( i, "self" ) - 2 * moved ) / 2 );
 	}
-	EXPECT_NEAR( nlohmann::json::parse( readFile( path( "r.json" ) ) )["audit"]["self"]["between_states"].get<double>(), expected, 1e-9 );
+	EXPECT_NEAR( nlohmann::json::parse( readFile( path( "r.json" ) ) )["audit"]["self"]["between_states"].get<double>(),
+	    expected, 1e-9 );
 }
 
 // The post stands at shoulder angles around zero, between -1 and 1.
@@ -284,7 +293,8 @@ TEST_F( CliTrajectory, TheWayFromAKnownStartToALateFirstPointIsProved )
 	const auto with = [&]( const std::string& start, const std::string& velocities )
 	{
 		write( "t.json", R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-1, 0], )" + velocities +
-		                     R"("time_from_start": 3}, {"positions": [-1.2, 0], )" + velocities + R"("time_from_start": 4}], "trajectory_start": )" + start + "}" );
+		                     R"("time_from_start": 3}, {"positions": [-1.2, 0], )" + velocities +
+		                     R"("time_from_start": 4}], "trajectory_start": )" + start + "}" );
 	};
 	const std::string at_one = R"({"joint_state": {"name": ["shoulder", "elbow"], "position": [1, 0]}})";
 	with( at_one, "" );
@@ -300,7 +310,8 @@ TEST_F( CliTrajectory, TheWayFromAKnownStartToALateFirstPointIsProved )
 	with( R"({"joint_state": {"name": ["shoulder", "elbow"], "position": [-0.8, 0]}})", R"("velocities": [-2.5, 0], )" );
 	EXPECT_EQ( report( { "t.json", "--interpolation", "linear" } )["verdict"], "FREE" );
 	EXPECT_EQ( report( { "t.json" } )["verdict"], "BLOCKED" );
-	with( R"({"joint_state": {"name": ["shoulder", "elbow"], "position": [-0.8, 0], "velocity": [2.5, 0]}})", R"("velocities": [0, 0], )" );
+	with( R"({"joint_state": {"name": ["shoulder", "elbow"], "position": [-0.8, 0], "velocity": [2.5, 0]}})",
+	    R"("velocities": [0, 0], )" );
 	EXPECT_EQ( report( { "t.json" } )["verdict"], "BLOCKED" );
 	// robots whose hardware reports no velocity are driven straight: 0.2 rad in 3 s, with a peak in the middle of cubics alone
 	with( R"({"joint_state": {"name": ["shoulder", "elbow"], "position": [1.5, 0]}})", R"("velocities": [0, 0], )" );
@@ -317,25 +328,32 @@ TEST_F( CliTrajectory, TheWayFromAKnownStartToALateFirstPointIsProved )
 
 TEST_F( CliTrajectory, StartsOfRequestsAndOfEarlierTrajectoriesAreStartsToo )
 {
-	const std::string late = R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [1, 0], "time_from_start": 3}]})";
+	const std::string late =
+	    R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [1, 0], "time_from_start": 3}]})";
 	write( "t.json", late );
 	EXPECT_EQ( report( { "t.json", "--request", "request.yaml" } )["verdict"], "BLOCKED" ); // of -1
-	write( "t.json", R"({"trajectory": [{"joint_trajectory": {"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-1, 0], "time_from_start": 0}]}},
-		{"joint_trajectory": )" + late + "}]}" );
+	write( "t.json",
+	    R"({"trajectory": [{"joint_trajectory": {"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-1, 0], "time_from_start": 0}]}},
+		{"joint_trajectory": )" +
+	        late + "}]}" );
 	EXPECT_EQ( report( { "t.json" } )["verdict"], "BLOCKED" );
-	write( "t.json", R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-0.9, 0], "time_from_start": 0}]})" );
+	write(
+	    "t.json", R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-0.9, 0], "time_from_start": 0}]})" );
 	const Outcome away = audit( { "t.json", "--request", "request.yaml" } );
 	EXPECT_EQ( away.status, 1 );
-	EXPECT_TRUE( contains( away.out, "joint shoulder is at -0.9 in its first point and at -1 in the request's start" ) ) << away.out;
+	EXPECT_TRUE( contains( away.out, "joint shoulder is at -0.9 in its first point and at -1 in the request's start" ) )
+	    << away.out;
 }
 
 TEST_F( CliTrajectory, TwoStartsOfOneFileMustAgree )
 {
 	const auto with = [&]( const char* one, const char* other )
 	{
-		write( "t.json", std::string( R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-0.6, 0], "time_from_start": 0}], )" ) +
-		                     R"("trajectory_start": {"joint_state": {"name": ["shoulder"], "position": [)" + one + R"(]}}, )" +
-		                     R"("start_state": {"joint_state": {"name": ["shoulder"], "position": [)" + other + "]}}}" );
+		write( "t.json",
+		    std::string(
+		        R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-0.6, 0], "time_from_start": 0}], )" ) +
+		        R"("trajectory_start": {"joint_state": {"name": ["shoulder"], "position": [)" + one + R"(]}}, )" +
+		        R"("start_state": {"joint_state": {"name": ["shoulder"], "position": [)" + other + "]}}}" );
 		return audit( { "t.json" } );
 	};
 	EXPECT_EQ( with( "-0.6", "-0.6" ).status, 0 );
@@ -344,12 +362,17 @@ TEST_F( CliTrajectory, TwoStartsOfOneFileMustAgree )
 		EXPECT_EQ( outcome.status, 2 );
 		EXPECT_TRUE( contains( outcome.err, "trajectory_start" ) && contains( outcome.err, "start_state" ) ) << outcome.err;
 	}
-	for ( const char* state : { "[1, 2]", "5", R"({"joint_state": ["shoulder"]})", R"({"joint_state": {"name": [], "position": [1]}})" } )
+	for ( const char* state :
+	    { "[1, 2]", "5", R"({"joint_state": ["shoulder"]})", R"({"joint_state": {"name": [], "position": [1]}})" } )
 	{
-		write( "t.json", std::string( R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-0.6, 0], "time_from_start": 0}], "trajectory_start": )" ) + state + "}" );
+		write( "t.json",
+		    std::string(
+		        R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-0.6, 0], "time_from_start": 0}], "trajectory_start": )" ) +
+		        state + "}" );
 		EXPECT_EQ( audit( { "t.json" } ).status, 2 ) << state;
 	}
-	write( "t.json", R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-0.6, 0], "time_from_start": 0}], "trajectory_start":
+	write( "t.json",
+	    R"({"joint_names": ["shoulder", "elbow"], "points": [{"positions": [-0.6, 0], "time_from_start": 0}], "trajectory_start":
 		{"joint_state": {"name": ["shoulder"], "position": [-0.6], "velocity": [0.1]}}})" );
 	EXPECT_TRUE( contains( audit( { "t.json" } ).err, "trajectory_start.joint_state.velocity" ) );
 }
@@ -364,11 +387,13 @@ TEST_F( CliTrajectory, FlagsOfJointLimitsAreBooleansOrErrors )
 	};
 	for ( const char* word : { "true", "True", "TRUE", "yes", "Yes", "on", "y", "Y" } )
 	{
-		EXPECT_EQ( with( std::string( "    has_velocity_limits: " ) + word + "\n    max_velocity: 0.01\n" ).status, 1 ) << word;
+		EXPECT_EQ( with( std::string( "    has_velocity_limits: " ) + word + "\n    max_velocity: 0.01\n" ).status, 1 )
+		    << word;
 	}
 	for ( const char* word : { "false", "no", "off", "n" } )
 	{
-		EXPECT_EQ( with( std::string( "    has_velocity_limits: " ) + word + "\n    max_velocity: 0.01\n" ).status, 0 ) << word;
+		EXPECT_EQ( with( std::string( "    has_velocity_limits: " ) + word + "\n    max_velocity: 0.01\n" ).status, 0 )
+		    << word;
 	}
 	for ( const char* word : { "tru", "1", "yES", "", "[true]", "2" } )
 	{
@@ -376,8 +401,10 @@ TEST_F( CliTrajectory, FlagsOfJointLimitsAreBooleansOrErrors )
 		EXPECT_EQ( outcome.status, 2 ) << word;
 		EXPECT_TRUE( contains( outcome.err, "joint_limits.shoulder.has_velocity_limits (line 3)" ) ) << outcome.err;
 	}
-	EXPECT_TRUE( contains( with( "    has_velocity_limit: true\n    max_velocity: 0.01\n" ).err, "is has_velocity_limits meant?" ) );
-	EXPECT_TRUE( contains( with( "    has_velocity_limits: true\n    max_velocty: 0.01\n" ).err, "is max_velocity meant?" ) );
+	EXPECT_TRUE(
+	    contains( with( "    has_velocity_limit: true\n    max_velocity: 0.01\n" ).err, "is has_velocity_limits meant?" ) );
+	EXPECT_TRUE(
+	    contains( with( "    has_velocity_limits: true\n    max_velocty: 0.01\n" ).err, "is max_velocity meant?" ) );
 	EXPECT_TRUE( contains( with( "    max_velocity: 0.01\n" ).err, "there is no has_velocity_limits" ) );
 	EXPECT_TRUE( contains( with( "    has_jerk_limits: true\n    max_jerk: 0.01\n" ).err, "max_jerk (line 4)" ) );
 	EXPECT_EQ( with( "    true\n" ).status, 2 );
@@ -404,7 +431,8 @@ TEST_F( CliTrajectory, PointsOfPathsHaveTheFieldsOfPoints )
 		return runModel( "audit", { "--path", "p.yaml" }, "blocked.yaml" );
 	};
 	EXPECT_EQ( with( "" ).status, 0 );
-	EXPECT_TRUE( contains( with( "  velocites: [1, 1]\n" ).err, "points[1].velocites (line 5): trajectory_msgs/JointTrajectoryPoint has no such field: is velocities meant?" ) );
+	EXPECT_TRUE( contains( with( "  velocites: [1, 1]\n" ).err,
+	    "points[1].velocites (line 5): trajectory_msgs/JointTrajectoryPoint has no such field: is velocities meant?" ) );
 	EXPECT_EQ( with( "  speed: 1\n" ).status, 2 );
 	EXPECT_TRUE( contains( with( "  effort: [1, 1]\n" ).err, "points[1].effort" ) );
 	for ( const char* field : { "velocities: [1, 1]", "accelerations: [1, 1]", "time_from_start: 2" } )

@@ -11,10 +11,11 @@ int main()
 {
 	using namespace leeway;
 	const char* const box = "<collision><geometry><box size='0.1 0.1 0.1'/></geometry></collision>";
-	std::ofstream( "consumer_rail.urdf" ) << "<robot name='rail'><link name='foot'>" << box << "</link><link name='arm'/><link name='slider'>" << box
-	                                      << "</link><joint name='column' type='fixed'><parent link='foot'/><child link='arm'/></joint>"
-	                                      << "<joint name='slide' type='prismatic'><parent link='arm'/><child link='slider'/><axis xyz='1 0 0'/>"
-	                                      << "<limit lower='1' upper='2' effort='1' velocity='1'/></joint></robot>";
+	std::ofstream( "consumer_rail.urdf" )
+	    << "<robot name='rail'><link name='foot'>" << box << "</link><link name='arm'/><link name='slider'>" << box
+	    << "</link><joint name='column' type='fixed'><parent link='foot'/><child link='arm'/></joint>"
+	    << "<joint name='slide' type='prismatic'><parent link='arm'/><child link='slider'/><axis xyz='1 0 0'/>"
+	    << "<limit lower='1' upper='2' effort='1' velocity='1'/></joint></robot>";
 	const io::RobotModel robot = io::loadRobot( "consumer_rail.urdf", "" );
 	std::remove( "consumer_rail.urdf" );
 	pairs::Settings settings;
@@ -23,7 +24,9 @@ int main()
 	try
 	{
 		const pairs::Analysis analysis( robot, settings );
-		return analysis.table.rows().size() == 1 && analysis.samples.freeStates( []( std::size_t ) { return true; } ) == 10 ? 0 : 1;
+		return analysis.table.rows().size() == 1 && analysis.samples.freeStates( []( std::size_t ) { return true; } ) == 10
+		           ? 0
+		           : 1;
 	}
 	catch ( const io::Error& error ) // a build without qhull says so
 	{

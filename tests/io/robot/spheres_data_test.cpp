@@ -119,8 +119,17 @@ TEST( SpheresData, ThreadsOrTimeNotUsedUpChangeSpheres )
 	}
 }
 
-TEST( SpheresData, PandaSticksOut ) { expectEnclosed( "/mbm/panda/panda.urdf", 0.02, 4000 ); }
-TEST( SpheresData, FetchSticksOut ) { expectEnclosed( "/mbm/fetch/fetch.urdf", 0.02, 4000 ); }
-TEST( SpheresData, ArmarSticksOut ) { expectEnclosed( "/armar3/armar3.urdf", 0.06, 1000 ); }
+TEST( SpheresData, PandaSticksOut )
+{
+	expectEnclosed( "/mbm/panda/panda.urdf", 0.02, 4000 );
+}
+TEST( SpheresData, FetchSticksOut )
+{
+	expectEnclosed( "/mbm/fetch/fetch.urdf", 0.02, 4000 );
+}
+TEST( SpheresData, ArmarSticksOut )
+{
+	expectEnclosed( "/armar3/armar3.urdf", 0.06, 1000 );
+}
 
 } // namespace

@@ -50,8 +50,8 @@ protected:
 TEST_F( SrdfWriter, ReasonsOfOthersAreNotComputed )
 {
 	for ( const char* reason : { "Adjacent", "Never", "Default", "Always", "Never (hulls apart)",
-	         "Default (in contact in 91.3 % of 2000 random states)", "Always (in contact in all 2000 random states)",
-	         "Never (evidence only: no contact in 100000 random states)" } )
+	          "Default (in contact in 91.3 % of 2000 random states)", "Always (in contact in all 2000 random states)",
+	          "Never (evidence only: no contact in 100000 random states)" } )
 	{
 		EXPECT_TRUE( isComputedReason( reason ) ) << reason;
 	}

@@ -133,7 +133,8 @@ TEST_F( BadSceneTest, NamesThatAreNotUtf8 )
 	expectError( [&]
 	    { (void)loadRobot( path( "r.urdf" ), write( "l.srdf", "<robot name=\"r\"><group name=\"\xc0\x80\"/></robot>" ) ); },
 	    { "l.srdf", "UTF-8" } );
-	const std::string kitchen = "K\xc3\xbc" "che \xe2\x82\xac \xf0\x9f\xa4\x96";
+	const std::string kitchen = "K\xc3\xbc"
+	                            "che \xe2\x82\xac \xf0\x9f\xa4\x96";
 	const SceneModel scene =
 	    loadScene( write( "k.yaml", "world: {collision_objects: [{id: " + kitchen + ", " + ball + "}]}" ) );
 	EXPECT_EQ( scene.objects.at( 0 ).name, kitchen );

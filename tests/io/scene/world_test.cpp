@@ -118,8 +118,8 @@ TEST_F( WorldTest, AttachedObjectStaysBehindOrTouchesItsFingers )
 	world.move( "cup", at( 0.2, 0.1, -0.45 ) ); // right below the left finger at y = 0.1
 	const Checker held = world.attach( "cup", "hand", { "left" }, { 0, 0.1 } );
 	EXPECT_EQ( lw_scene_object_count( lw_checker_scene( held.get() ) ), 1u );
-	EXPECT_TRUE( lw_robot_is_attached( lw_checker_robot( held.get() ),
-	    lw_robot_find_link( lw_checker_robot( held.get() ), "cup" ) ) );
+	EXPECT_TRUE( lw_robot_is_attached(
+	    lw_checker_robot( held.get() ), lw_robot_find_link( lw_checker_robot( held.get() ), "cup" ) ) );
 	// right above the jar, whose top is 5 cm below the cup
 	const lw_state_result over = ask( held, { -0.7, 0.5 } );
 	EXPECT_NEAR( over.environment.upper, 0.05, 1e-9 );
@@ -236,16 +236,16 @@ public:
 	{
 		switch ( m_now.objects.empty() ? 0 : m_rng.integer( 0, 4 ) )
 		{
-			case 0:
-				return add();
-			case 1:
-				return m_world.remove( take().name );
-			case 2:
-				return m_now.attached.size() < 3 ? attach() : move();
-			case 3:
-				return m_now.attached.empty() ? move() : detach();
-			default:
-				return move();
+		case 0:
+			return add();
+		case 1:
+			return m_world.remove( take().name );
+		case 2:
+			return m_now.attached.size() < 3 ? attach() : move();
+		case 3:
+			return m_now.attached.empty() ? move() : detach();
+		default:
+			return move();
 		}
 	}
 	Problem fresh()

@@ -124,9 +124,7 @@ TEST_F( IoCache, OptionsAndFilesThatMatterMakeAnotherFile )
 	complete( load() );
 	EXPECT_EQ( cachedShapes( load() ), 3u );
 	const auto differs = [&]( const char* what, std::size_t same = 0 )
-	{
-		EXPECT_EQ( cachedShapes( load() ), same ) << what;
-	};
+	{ EXPECT_EQ( cachedShapes( load() ), same ) << what; };
 	options.tree.leaf_size = options.tree.leaf_size == 4 ? 2 : 4;
 	differs( "leaf size" );
 	options.tree = lw_tree_def_default();
@@ -236,8 +234,8 @@ TEST_F( IoCache, ForeignFilesAreLeftAlone )
 {
 	complete( load() );
 	const std::string digits( 32, 'a' );
-	const std::string foreign[] = { "notes.txt", "a.tree", "a-" + digits + ".txt", "a-" + std::string( 32, 'x' ) + ".tree",
-		"." + digits + ".reach" };
+	const std::string foreign[] = {
+	    "notes.txt", "a.tree", "a-" + digits + ".txt", "a-" + std::string( 32, 'x' ) + ".tree", "." + digits + ".reach" };
 	const std::string ours[] = { "r-" + digits + ".trees", "a-" + digits + ".tree.partial-abc123" };
 	for ( const std::string& name : foreign )
 	{
@@ -250,9 +248,7 @@ TEST_F( IoCache, ForeignFilesAreLeftAlone )
 	fs::create_directories( path( "cache/folder-" + digits + ".tree" ) );
 	const std::vector<CacheEntry> list = listCache( options.cache );
 	const auto count = [&]( CacheEntry::Kind kind )
-	{
-		return std::count_if( list.begin(), list.end(), [&]( const CacheEntry& entry ) { return entry.kind == kind; } );
-	};
+	{ return std::count_if( list.begin(), list.end(), [&]( const CacheEntry& entry ) { return entry.kind == kind; } ); };
 	EXPECT_EQ( count( CacheEntry::foreign ), 5 );
 	EXPECT_EQ( count( CacheEntry::leftover ), 2 );
 	trimCache( options.cache, 0 );

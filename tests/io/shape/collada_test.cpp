@@ -126,8 +126,8 @@ std::string randomFaces( SeededRng& rng, int vertices )
 	std::string inputs = "<input semantic=\"VERTEX\" source=\"#v\" offset=\"" + std::to_string( vertex ) + "\"/>";
 	for ( int other = 0; other < step; ++other )
 	{
-		inputs += other == vertex ? ""
-		                          : "<input semantic=\"NORMAL\" source=\"#p\" offset=\"" + std::to_string( other ) + "\"/>";
+		inputs +=
+		    other == vertex ? "" : "<input semantic=\"NORMAL\" source=\"#p\" offset=\"" + std::to_string( other ) + "\"/>";
 	}
 	std::string lengths, list;
 	const int corners = kind == 2 ? faces + 2 : 3 * faces;
@@ -215,7 +215,7 @@ TEST_F( ColladaTest, UpAxisIsNot )
 	{
 		write( "m.dae", collada( "<unit meter=\"1\"/>", up, identity_matrix ) );
 		load( "m.dae" );
-	expectBox( { 0, 0, 0 }, { 1, 2, 3 } );
+		expectBox( { 0, 0, 0 }, { 1, 2, 3 } );
 	}
 }
 

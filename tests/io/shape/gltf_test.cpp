@@ -63,8 +63,8 @@ struct Document
 	{
 		if ( root.find( "buffers" ) == root.end() )
 		{
-			root["buffers"] = { { { "byteLength", buffer.size() },
-			    { "uri", "data:application/octet-stream;base64," + base64( buffer ) } } };
+			root["buffers"] = {
+			    { { "byteLength", buffer.size() }, { "uri", "data:application/octet-stream;base64," + base64( buffer ) } } };
 		}
 		return root.dump();
 	}
@@ -133,8 +133,8 @@ Json randomPrimitive( Document& d, SeededRng& rng )
 		numbers.push_back( static_cast<float>( rng.uniform( -1, 1 ) ) );
 	}
 	const std::size_t at = between == 5 ? 8 : 0;
-	const std::size_t positions = d.accessor(
-	    d.view( numbers, between == 5 ? 20 : 0 ), 5126, static_cast<std::size_t>( vertices ), "VEC3", at );
+	const std::size_t positions =
+	    d.accessor( d.view( numbers, between == 5 ? 20 : 0 ), 5126, static_cast<std::size_t>( vertices ), "VEC3", at );
 	Json made = { { "attributes", { { "POSITION", positions } } }, { "mode", mode } };
 	switch ( rng.integer( 0, 3 ) )
 	{
@@ -340,13 +340,16 @@ TEST_F( GltfTest, ABufferBesideABinaryFileIsTakenFromTheCache )
 		}
 		write( "m.glb", bytes + "JSON" + json );
 		write( "numbers.bin", d.buffer );
-		const std::string urdf = write( "r.urdf", "<robot name='r'><link name='a'><collision><geometry><mesh filename='m.glb'/>"
-		                                          "</geometry></collision></link></robot>" );
+		const std::string urdf =
+		    write( "r.urdf", "<robot name='r'><link name='a'><collision><geometry><mesh filename='m.glb'/>"
+		                     "</geometry></collision></link></robot>" );
 		leeway::io::LoadOptions options;
 		options.cache = path( "cache" );
 		options.defer = false;
-		const auto top = [&]
-		{ return lw_shape_get_info( leeway::io::loadRobot( urdf, "", options ).links[0].collision[0].shape.get() ).box_max[0]; };
+		const auto top = [&] {
+			return lw_shape_get_info( leeway::io::loadRobot( urdf, "", options ).links[0].collision[0].shape.get() )
+			    .box_max[0];
+		};
 		EXPECT_NEAR( top(), 1, 1e-6 );
 		const float two = 2;
 		d.buffer.replace( 12, 4, reinterpret_cast<const char*>( &two ), 4 ); // the second corner, (1, 0, 0)

@@ -119,7 +119,9 @@ TEST_F( MeshTest, WordsOfAsciiStlArePassedOver )
 	refused( "endloop", "vertex 0 0 0\nendloop", "where endloop should be" );
 	refused( "endsolid tetrahedron\n", "", "ends where endsolid should be: it was cut short" );
 	refused( "endsolid tetrahedron\n", "endsolid tetrahedron\nmore", "has \"more\" where solid should be" );
-	write( "m.stl", good + "SOLID second\nFACET NORMAL nan nan nan OUTER LOOP vertex 0 0 -1e0 vertex 1 0 0\nvertex 0 1 0 endloop endfacet\nENDSOLID\n" );
+	write( "m.stl",
+	    good +
+	        "SOLID second\nFACET NORMAL nan nan nan OUTER LOOP vertex 0 0 -1e0 vertex 1 0 0\nvertex 0 1 0 endloop endfacet\nENDSOLID\n" );
 	EXPECT_EQ( load( "m.stl" ).triangle_count, 5u );
 	expectBox( load( "m.stl" ), { 0, 0, -1 }, { 1, 2, 3 } );
 }

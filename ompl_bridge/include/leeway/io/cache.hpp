@@ -25,11 +25,11 @@ struct CacheEntry
 	std::string name; ///< of the mesh or robot
 	Kind kind = foreign;
 	std::uint64_t bytes = 0;
-	std::int64_t used = 0;  ///< seconds since 1970: last read or written by leeway
-	bool good = true;       ///< tree or reach: the checksums match and the version is current
-	std::string problem;    ///< why good is false
+	std::int64_t used = 0;       ///< seconds since 1970: last read or written by leeway
+	bool good = true;            ///< tree or reach: the checksums match and the version is current
+	std::string problem;         ///< why good is false
 	std::uint32_t triangles = 0; ///< of a tree
-	double seconds = 0;     ///< reach: time spent on proofs; the next members are as in lw_reach_info
+	double seconds = 0;          ///< reach: time spent on proofs; the next members are as in lw_reach_info
 	std::uint32_t pairs = 0, proved = 0, contact = 0, open = 0;
 	bool complete = false;
 };

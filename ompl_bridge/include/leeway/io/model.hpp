@@ -206,7 +206,7 @@ struct ReachOptions
 	/// A folder, created if missing; empty = none. One file per robot (lw_robot_digest) and version.
 	std::string cache;
 	std::uint64_t cache_limit = default_cache_limit; ///< bytes, see leeway/io/cache.hpp
-	bool build = true;   ///< build a reach if the cache has none; the cache keeps new builds and new proofs
+	bool build = true; ///< build a reach if the cache has none; the cache keeps new builds and new proofs
 	/// Continue an incomplete reach from the cache for def.seconds. A different def.seed builds anew.
 	bool proceed = true;
 	unsigned threads = 0; ///< threads that prove; 0 = as many as the machine has
@@ -220,7 +220,7 @@ ReachOptions cachedReach();
 
 struct LoadedReach
 {
-	Reach reach; ///< empty if not cached and build is false, or without qhull (a notice)
+	Reach reach;             ///< empty if not cached and build is false, or without qhull (a notice)
 	bool cached = false;     ///< the cache had a reach
 	bool advanced = false;   ///< the reach was built, or its proofs continued
 	lw_reach_info info{};    ///< progress of its proofs
@@ -250,9 +250,9 @@ Padding loadPadding( const std::string& file );
 /// padding of a link or object is added; a listed pair has exactly its listed margin.
 struct Margins
 {
-	std::string file; ///< for errors
-	double environment = 0, self = 0;                    ///< all links to all objects; all pairs of links
-	std::map<std::string, double> links, self_links;     ///< of single links to objects, and to other links
+	std::string file;                                ///< for errors
+	double environment = 0, self = 0;                ///< all links to all objects; all pairs of links
+	std::map<std::string, double> links, self_links; ///< of single links to objects, and to other links
 	std::map<std::string, double> objects;
 	std::map<std::pair<std::string, std::string>, double> pairs; ///< link and object, or two links, in either order
 };
@@ -270,8 +270,8 @@ struct JointState
 struct SceneObject
 {
 	std::string name;
-	std::string frame;               ///< header.frame_id; empty = planning frame, "/" too
-	std::vector<PlacedShape> shapes; ///< poses in `frame`, object pose applied
+	std::string frame;                           ///< header.frame_id; empty = planning frame, "/" too
+	std::vector<PlacedShape> shapes;             ///< poses in `frame`, object pose applied
 	lw_transform pose = lw_transform_identity(); ///< of the object, in `frame`
 };
 
@@ -351,17 +351,17 @@ struct Problem
 	Robot robot;
 	Scene scene; ///< empty handle if no scene was given
 	Checker checker;
-	std::string group;                       ///< empty = all variables
-	std::vector<uint32_t> variables;         ///< robot variables of a state vector
-	std::vector<std::string> variable_names; ///< of those, e.g. joint names
-	std::vector<double> reference;           ///< [robot variable_count]
+	std::string group;                        ///< empty = all variables
+	std::vector<uint32_t> variables;          ///< robot variables of a state vector
+	std::vector<std::string> variable_names;  ///< of those, e.g. joint names
+	std::vector<double> reference;            ///< [robot variable_count]
 	std::vector<lw_link_object_pair> allowed; ///< links and objects of `scene` that may touch
 	/// Pose of each object (SceneObject::pose): in the planning frame; of attached objects in the frame of their link.
 	std::map<std::string, lw_transform> object_poses;
 	/// By name: the planning frame (also under the empty name, and as "world" unless a link or frame has that name) and the
 	/// scene's fixed frames. findFrame() looks here, too.
 	std::map<std::string, Frame> frames;
-	LoadedReach reach;                       ///< the reach of the checker; empty if none
+	LoadedReach reach; ///< the reach of the checker; empty if none
 	/// From the options and the scene. The robot contains the scales, the checker's margins contain the padding.
 	Padding padding;
 	std::vector<Notice> notices;
@@ -378,7 +378,7 @@ struct ProblemOptions
 	/// describe the robot without attached objects and stay valid for its links; they contain no proofs about attached
 	/// objects.
 	std::optional<ReachOptions> find_reach = std::nullopt;
-	Reach reach{};     ///< of an equal robot, from an earlier problem
+	Reach reach{}; ///< of an equal robot, from an earlier problem
 	/// Links and objects, or two links, by name in either order, that may touch; in addition to SRDF and scene. Unknown
 	/// names are ignored.
 	std::vector<std::pair<std::string, std::string>> allowed{};

@@ -14,10 +14,10 @@ namespace leeway::io
 
 struct SpherizeOptions
 {
-	double excess = 0;              ///< metres, > 0: how far a sphere may extend beyond its link; or
+	double excess = 0; ///< metres, > 0: how far a sphere may extend beyond its link; or
 	/// With excess 0: the largest number of spheres of the whole robot; all links get a similar excess.
 	std::uint32_t sphere_count = 0;
-	double close_holes = 0;         ///< metres; see lw_geometry_def
+	double close_holes = 0; ///< metres; see lw_geometry_def
 	/// Seconds of wall time for the whole robot; 0: no limit. When the time ends, unfinished links keep the best spheres so
 	/// far: at worst one around the link, which takes no search.
 	double seconds = 0;

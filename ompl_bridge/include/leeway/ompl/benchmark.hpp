@@ -26,6 +26,6 @@ std::map<std::string, std::string> runProperties( const Counters& counters );
 /// OMPL calls the post-run event last: the counts include OMPL's checks of the solution (a second check of the path, its
 /// clearance) and its simplification.
 void addRunProperties( ::ompl::tools::Benchmark& benchmark, std::shared_ptr<const Engine> engine,
-	::ompl::tools::Benchmark::PreSetupEvent pre_run = {}, ::ompl::tools::Benchmark::PostSetupEvent post_run = {} );
+    ::ompl::tools::Benchmark::PreSetupEvent pre_run = {}, ::ompl::tools::Benchmark::PostSetupEvent post_run = {} );
 
 } // namespace leeway::ompl

@@ -43,8 +43,8 @@ public:
 	/// @param tolerance relative, (0, 1]
 	/// @throws std::invalid_argument if si has another space, if the space's curves are not straight edges
 	/// (StateAdapter::straight()), or if the tolerance is out of its domain
-	ClearanceObjective( const ::ompl::base::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine,
-		double tolerance = 0.1 );
+	ClearanceObjective(
+	    const ::ompl::base::SpaceInformationPtr& si, std::shared_ptr<const Engine> engine, double tolerance = 0.1 );
 
 	/// StateValidityChecker::clearance(), unrounded.
 	::ompl::base::Cost stateCost( const ::ompl::base::State* state ) const override;

@@ -32,16 +32,16 @@ namespace leeway::ompl
 /// Settings of the state and motion checks.
 struct Options
 {
-	double min_d = 0;     ///< metres, >= 0: smaller clearances are invalid
+	double min_d = 0; ///< metres, >= 0: smaller clearances are invalid
 	/// Metres, > min_d. Larger clearances are not measured; clearance() never returns more than max_d - min_d. +inf = always
 	/// the exact distance. A cap makes plateaus: an objective that maximises clearance sees no gain above it.
 	double max_d = 0.5;
-	double alpha = 0;     ///< relative tolerance of clearance(), [0, 1)
+	double alpha = 0; ///< relative tolerance of clearance(), [0, 1)
 	/// Metres, > 0: certified edges may refuse clearances from min_d up to (min_d + slack) / 0.9. It is an upper bound that
 	/// needs no tuning: nearer pairs get a slack of their own, see lw_edge_def. Engine::undecidedPairs() lists them.
 	double slack = 0.001;
 	lw_edge_method method = LW_EDGE_CERTIFIED;
-	double step = 0.01;   ///< metres, > 0: motion of any robot point per step, method LW_EDGE_STEPS
+	double step = 0.01; ///< metres, > 0: motion of any robot point per step, method LW_EDGE_STEPS
 	lw_check_flags flags = LW_CHECK_BOTH;
 	/// Radians and metres, [size of the state vector] or empty: a valid motion is free for every motion within the tolerance of
 	/// it, variable by variable, such as a controller may drive before it stops (lw_edge_def::tolerance). 0 for quaternions. Method
@@ -114,8 +114,8 @@ private:
 	struct Part
 	{
 		Kind kind;
-		std::vector<unsigned> path;          ///< component indices from the top
-		std::size_t first, count;            ///< entries of the state vector
+		std::vector<unsigned> path;           ///< component indices from the top
+		std::size_t first, count;             ///< entries of the state vector
 		const ::ompl::base::StateSpace* leaf; ///< owned by m_space
 	};
 	void collect( const ::ompl::base::StateSpace* space, std::vector<unsigned>& path );
@@ -131,14 +131,14 @@ private:
 	std::string m_curve_problem;
 };
 
-class EdgeProver;     // one motion's proof, private
+class EdgeProver; // one motion's proof, private
 struct ProvedMotion;
 
 /// Totals of all threads since construction.
 struct Counters
 {
-	std::uint64_t states = 0;       ///< states checked
-	std::uint64_t edges = 0;        ///< motions checked: free + blocked + undecided + errors
+	std::uint64_t states = 0; ///< states checked
+	std::uint64_t edges = 0;  ///< motions checked: free + blocked + undecided + errors
 	std::uint64_t free = 0;
 	std::uint64_t blocked = 0;
 	std::uint64_t undecided = 0;
@@ -203,7 +203,7 @@ public:
 		explicit operator bool() const { return m_slot != nullptr; }
 		lw_query* query() const;
 		const lw_checker* checker() const; ///< the checker for the lifetime of this lease
-		double* a() const; ///< scratch state vectors of the adapter's size; null without a slot
+		double* a() const;                 ///< scratch state vectors of the adapter's size; null without a slot
 		double* b() const;
 		/// Adds work that was done with query() by calls of the core: for planners that judge motions without OMPL.
 		void count( const Counters& work ) const;
@@ -223,7 +223,7 @@ private:
 	friend class EdgeProver;
 	Slot* acquire() const; ///< nullptr if out of memory
 	Slot* makeSlot() const;
-	bool refresh( Slot& slot ) const; ///< the slot gets the snapshot of now; false if out of memory
+	bool refresh( Slot& slot ) const;                   ///< the slot gets the snapshot of now; false if out of memory
 	Query makeQuery( const lw_checker* checker ) const; ///< null if out of memory
 	void noteUndecided( bool self, const lw_clearance& pair ) const; ///< allocates nothing
 	void addUndecided( bool self, std::uint32_t a, std::uint32_t b, std::uint64_t times, double clearance ) const;
@@ -243,8 +243,8 @@ private:
 	std::atomic<std::uint64_t> m_version{ 1 }; ///< of m_checker: slots with another one are out of date
 	Options m_options;
 	StateAdapter m_adapter;
-	std::uint64_t m_id;                              ///< never used twice: threads remember their last slot by it
-	mutable std::atomic<Slot*> m_slots{ nullptr };   ///< all slots ever made, linked; each has a busy flag
+	std::uint64_t m_id;                            ///< never used twice: threads remember their last slot by it
+	mutable std::atomic<Slot*> m_slots{ nullptr }; ///< all slots ever made, linked; each has a busy flag
 };
 
 /// Valid = every clearance > min_d, proved, and the state is within the space's bounds. Errors are invalid.
@@ -259,11 +259,11 @@ public:
 	bool isValid( const ::ompl::base::State* state, double& dist ) const override;
 	/// Never writes validState: validStateAvailable is always set to false.
 	bool isValid( const ::ompl::base::State* state, double& dist, ::ompl::base::State* validState,
-		bool& validStateAvailable ) const override;
+	    bool& validStateAvailable ) const override;
 	/// Metres: a lower bound of (distance - min_d), capped at max_d - min_d; 0 in violation (penetration is not measured).
 	double clearance( const ::ompl::base::State* state ) const override;
-	double clearance( const ::ompl::base::State* state, ::ompl::base::State* validState,
-		bool& validStateAvailable ) const override;
+	double clearance(
+	    const ::ompl::base::State* state, ::ompl::base::State* validState, bool& validStateAvailable ) const override;
 
 	const std::shared_ptr<const Engine>& engine() const { return m_engine; }
 
@@ -293,7 +293,7 @@ public:
 	/// checking it. If s1 itself is nearer than that, the proved part ends later, and the motion to its end is proved in
 	/// both directions before it is returned (two to ten proofs more).
 	bool checkMotion( const ::ompl::base::State* s1, const ::ompl::base::State* s2,
-		std::pair<::ompl::base::State*, double>& lastValid ) const override;
+	    std::pair<::ompl::base::State*, double>& lastValid ) const override;
 
 	const std::shared_ptr<const Engine>& engine() const { return m_engine; }
 
@@ -306,19 +306,18 @@ private:
 	};
 	bool isFreeBothWays( const EdgeProver& prover ) const;
 	ProvedRun proveRun( const EdgeProver& prover ) const;
-	double writeLastValid( const EdgeProver& prover, const ProvedRun& run, const ::ompl::base::State* s1,
-		::ompl::base::State* out ) const;
+	double writeLastValid(
+	    const EdgeProver& prover, const ProvedRun& run, const ::ompl::base::State* s1, ::ompl::base::State* out ) const;
 	bool count( bool valid ) const;
 	std::shared_ptr<const Engine> m_engine;
 	lw_edge_def m_def;
 	std::vector<double> m_last_tolerance; ///< of m_last_def
-	lw_edge_def m_last_def; ///< for the run up to the last valid state
+	lw_edge_def m_last_def;               ///< for the run up to the last valid state
 };
 
 /// Sets a StateValidityChecker and a MotionValidator on `si` and returns their engine. Call si->setup() afterwards as usual.
 /// @throws as Engine and MotionValidator. For spaces whose curves are not straight, make an Engine and set only a
 /// StateValidityChecker: OMPL's own motion validator then checks states along the motion.
-std::shared_ptr<Engine> install( const ::ompl::base::SpaceInformationPtr& si, Checker checker,
-	const Options& options = {} );
+std::shared_ptr<Engine> install( const ::ompl::base::SpaceInformationPtr& si, Checker checker, const Options& options = {} );
 
 } // namespace leeway::ompl

@@ -26,7 +26,10 @@ std::size_t characterBytes( std::string_view text )
 	{
 		return 1;
 	}
-	const std::size_t count = first >= 0xc2 && first <= 0xdf ? 2 : ( first & 0xf0u ) == 0xe0 ? 3 : first >= 0xf0 && first <= 0xf4 ? 4 : 0;
+	const std::size_t count = first >= 0xc2 && first <= 0xdf   ? 2
+	                          : ( first & 0xf0u ) == 0xe0      ? 3
+	                          : first >= 0xf0 && first <= 0xf4 ? 4
+	                                                           : 0;
 	for ( std::size_t i = 1; i < count; ++i )
 	{
 		if ( ( at( i ) & 0xc0u ) != 0x80 )
@@ -161,7 +164,8 @@ const GroupState& RobotModel::useGroupState( const std::string& group, const std
 		}
 		if ( found != nullptr )
 		{
-			throw Error( file, "group_state " + state, fmt::format( "groups {} and {} have a state of this name", found->group, candidate.group ),
+			throw Error( file, "group_state " + state,
+			    fmt::format( "groups {} and {} have a state of this name", found->group, candidate.group ),
 			    "name the group" );
 		}
 		found = &candidate;
@@ -174,7 +178,8 @@ const GroupState& RobotModel::useGroupState( const std::string& group, const std
 	}
 	if ( !found->defect.empty() )
 	{
-		throw Error( file, "group_state " + state, "cannot be used: " + found->defect, "correct the SRDF, or use another state" );
+		throw Error(
+		    file, "group_state " + state, "cannot be used: " + found->defect, "correct the SRDF, or use another state" );
 	}
 	return *found;
 }

@@ -129,7 +129,8 @@ std::string checkedBytes( const std::string& file, std::string bytes )
 	const std::string pointer = "version https://git-lfs.github.com/spec/";
 	if ( bytes.compare( 0, pointer.size(), pointer ) == 0 )
 	{
-		throw Error( file, "", "is only a pointer of Git LFS: the file itself was not fetched", "run git lfs pull in its repository" );
+		throw Error( file, "", "is only a pointer of Git LFS: the file itself was not fetched",
+		    "run git lfs pull in its repository" );
 	}
 	return bytes;
 }

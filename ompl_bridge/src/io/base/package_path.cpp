@@ -83,7 +83,8 @@ private:
 	std::string m_found;
 };
 
-bool searchEnvironment( const char* variable, const std::string& package, const std::string& path, bool ament, Search& search )
+bool searchEnvironment(
+    const char* variable, const std::string& package, const std::string& path, bool ament, Search& search )
 {
 	const char* value = std::getenv( variable );
 	std::istringstream entries( value != nullptr ? value : "" );
@@ -101,8 +102,8 @@ bool searchEnvironment( const char* variable, const std::string& package, const 
 	return false;
 }
 
-void searchPackage( const std::string& package, const std::string& path, const fs::path& from_folder, const LoadOptions& options,
-    Search& search )
+void searchPackage( const std::string& package, const std::string& path, const fs::path& from_folder,
+    const LoadOptions& options, Search& search )
 {
 	for ( const std::string& entry : options.package_paths )
 	{

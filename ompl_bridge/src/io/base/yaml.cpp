@@ -501,7 +501,8 @@ lw_transform YamlNode::pose() const
 		}
 		if ( entry.second.IsNull() )
 		{
-			fail( fmt::format( "{} is empty", entry.first.Scalar() ), "write its numbers, or remove the key: the file may be cut short" );
+			fail( fmt::format( "{} is empty", entry.first.Scalar() ),
+			    "write its numbers, or remove the key: the file may be cut short" );
 		}
 	}
 	YamlNode position = firstOf( { "position", "translation" } );

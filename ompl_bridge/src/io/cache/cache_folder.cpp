@@ -50,12 +50,12 @@ CacheEntry classify( const fs::path& file, lw_digest& key )
 	std::size_t partial = leaf.rfind( ".partial-" );
 	fs::path whole = partial != std::string::npos ? fs::path( leaf.substr( 0, partial ) ) : fs::path( leaf );
 	std::string kind = whole.extension().string();
-	bool ours = ( kind == ".tree" || kind == ".reach" || kind == ".trees" ) &&
-	            splitStem( whole.stem().string(), entry.name, key );
-	entry.kind = !ours                                            ? CacheEntry::foreign
+	bool ours =
+	    ( kind == ".tree" || kind == ".reach" || kind == ".trees" ) && splitStem( whole.stem().string(), entry.name, key );
+	entry.kind = !ours                                              ? CacheEntry::foreign
 	             : partial != std::string::npos || kind == ".trees" ? CacheEntry::leftover
-	             : kind == ".tree"                                ? CacheEntry::tree
-	                                                              : CacheEntry::reach;
+	             : kind == ".tree"                                  ? CacheEntry::tree
+	                                                                : CacheEntry::reach;
 	return entry;
 }
 
@@ -66,7 +66,8 @@ std::vector<std::pair<CacheEntry, lw_digest>> entries( const std::string& folder
 	fs::directory_iterator all( folder, error );
 	if ( error )
 	{
-		throw Error( folder, "cache", "the folder cannot be read: " + error.message(), "name a folder that leeway has used" );
+		throw Error(
+		    folder, "cache", "the folder cannot be read: " + error.message(), "name a folder that leeway has used" );
 	}
 	std::vector<std::pair<CacheEntry, lw_digest>> found;
 	for ( fs::directory_iterator end; all != end && !error; all.increment( error ) )
@@ -84,9 +85,7 @@ std::vector<std::pair<CacheEntry, lw_digest>> entries( const std::string& folder
 	}
 	std::sort( found.begin(), found.end(),
 	    []( const auto& a, const auto& b )
-	    {
-		    return a.first.used != b.first.used ? a.first.used > b.first.used : a.first.file < b.first.file;
-	    } );
+	    { return a.first.used != b.first.used ? a.first.used > b.first.used : a.first.file < b.first.file; } );
 	return found;
 }
 
@@ -98,12 +97,11 @@ void lookInto( lw_digest key, CacheEntry& entry )
 	try
 	{
 		bool whole = detail::splitCacheFile( detail::readFile( entry.file ), key, content );
-		lw_status status = whole ? lw_blob_get_info( content.blob.data(), content.blob.size(), &diag, &info ) : LW_ERROR_DAMAGED;
-		entry.good = status == LW_OK && lw_digest_equal( info.key, key ) &&
-		             info.has_reach == ( entry.kind == CacheEntry::reach );
-		entry.problem = entry.good                 ? ""
-		                : status == LW_ERROR_STALE ? "of another version of leeway"
-		                                           : "damaged";
+		lw_status status =
+		    whole ? lw_blob_get_info( content.blob.data(), content.blob.size(), &diag, &info ) : LW_ERROR_DAMAGED;
+		entry.good =
+		    status == LW_OK && lw_digest_equal( info.key, key ) && info.has_reach == ( entry.kind == CacheEntry::reach );
+		entry.problem = entry.good ? "" : status == LW_ERROR_STALE ? "of another version of leeway" : "damaged";
 	}
 	catch ( const Error& unreadable )
 	{

@@ -141,7 +141,10 @@ template <typename Tree> class BoxCollector
 public:
 	using Node = typename Tree::NodeType;
 
-	BoxCollector( const Tree& tree, const std::string& name, OctomapBoxes& out ) : m_tree( tree ), m_name( name ), m_out( out ) {}
+	BoxCollector( const Tree& tree, const std::string& name, OctomapBoxes& out )
+	    : m_tree( tree ), m_name( name ), m_out( out )
+	{
+	}
 
 	void addOccupied()
 	{

@@ -9,9 +9,7 @@
 namespace leeway::io::detail
 {
 
-CloudReader::CloudReader( const std::string& file ) : CloudReader( file, readFile( file ) )
-{
-}
+CloudReader::CloudReader( const std::string& file ) : CloudReader( file, readFile( file ) ) {}
 
 CloudReader::CloudReader( const std::string& name, std::string bytes )
     : m_file( name ), m_text( std::move( bytes ) ), m_bytes( m_text )

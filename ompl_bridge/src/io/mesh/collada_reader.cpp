@@ -133,7 +133,8 @@ Placement turned( const std::vector<double>& v, const XMLElement& at )
 		return IN_PLACE;
 	}
 	const lw_vec3 axis = unit( { v[0], v[1], v[2] }, at );
-	const double xyzw[4] = { std::sin( half ) * axis.x, std::sin( half ) * axis.y, std::sin( half ) * axis.z, std::cos( half ) };
+	const double xyzw[4] = {
+	    std::sin( half ) * axis.x, std::sin( half ) * axis.y, std::sin( half ) * axis.z, std::cos( half ) };
 	lw_transform turn;
 	if ( lw_transform_from_quaternion( origin, xyzw, &turn ) != LW_OK )
 	{
@@ -206,7 +207,7 @@ class Faces
 public:
 	/// @param vertices how many there are to be named
 	Faces( const XMLElement& element, std::size_t vertices, Geometry& out, PlainMesh& polygons )
-		: m_element( element ), m_vertices( vertices ), m_out( out ), m_polygons( polygons )
+	    : m_element( element ), m_vertices( vertices ), m_out( out ), m_polygons( polygons )
 	{
 	}
 
@@ -237,8 +238,10 @@ public:
 
 	static bool isOne( const XMLElement& element )
 	{
-		static const char* const kinds[] = { "triangles", "trifans", "tristrips", "polygons", "polylist", "lines", "linestrips" };
-		return std::any_of( std::begin( kinds ), std::end( kinds ), [&]( const char* kind ) { return isNamed( element, kind ); } );
+		static const char* const kinds[] = {
+		    "triangles", "trifans", "tristrips", "polygons", "polylist", "lines", "linestrips" };
+		return std::any_of(
+		    std::begin( kinds ), std::end( kinds ), [&]( const char* kind ) { return isNamed( element, kind ); } );
 	}
 
 private:
@@ -344,7 +347,8 @@ private:
 
 	void addPolygon( const std::vector<std::uint32_t>& list, std::size_t first, std::size_t length )
 	{
-		const auto begin = list.begin() + static_cast<std::ptrdiff_t>( first ), end = begin + static_cast<std::ptrdiff_t>( length );
+		const auto begin = list.begin() + static_cast<std::ptrdiff_t>( first ),
+		           end = begin + static_cast<std::ptrdiff_t>( length );
 		++m_faces;
 		if ( length == 3 )
 		{
@@ -598,8 +602,9 @@ private:
 		                                  all - 1 <= ( array.size() - offset - last - 1 ) / stride );
 		if ( !fits )
 		{
-			fail( accessor, fmt::format( "asks for {} points, each {} numbers after the last, from number {} on, of {} numbers", all,
-			                    stride, offset, array.size() ) );
+			fail( accessor,
+			    fmt::format( "asks for {} points, each {} numbers after the last, from number {} on, of {} numbers", all,
+			        stride, offset, array.size() ) );
 		}
 		std::vector<std::array<double, 3>> out( all );
 		for ( std::size_t i = 0; i < out.size(); ++i )

@@ -153,8 +153,9 @@ std::string decodeBase64( std::string_view text, const std::string& place )
 /// %20 and its kind.
 std::string decodePercents( const std::string& uri )
 {
-	const auto digit = []( char c )
-	{ return c >= '0' && c <= '9' ? c - '0' : ( c | 32 ) >= 'a' && ( c | 32 ) <= 'f' ? ( c | 32 ) - 'a' + 10 : -1; };
+	const auto digit = []( char c ) {
+		return c >= '0' && c <= '9' ? c - '0' : ( c | 32 ) >= 'a' && ( c | 32 ) <= 'f' ? ( c | 32 ) - 'a' + 10 : -1;
+	};
 	std::string out;
 	for ( std::size_t i = 0; i < uri.size(); ++i )
 	{
@@ -180,8 +181,8 @@ struct Chunks
 		const std::uint64_t version = number( reader ), length = number( reader );
 		if ( version != 2 || length != bytes.size() )
 		{
-			fail( fmt::format( "version {} with {} bytes, of which there are {}: export it as glTF 2.0", version, length,
-			    bytes.size() ) );
+			fail( fmt::format(
+			    "version {} with {} bytes, of which there are {}: export it as glTF 2.0", version, length, bytes.size() ) );
 		}
 		for ( bool first = true; first || reader.left() > 0; first = false )
 		{
@@ -222,7 +223,8 @@ private:
 class GltfReader
 {
 public:
-	GltfReader( const MeshPlace& place, std::string_view bytes ) : m_place( place ), m_size( bytes.size() ), m_chunks( bytes )
+	GltfReader( const MeshPlace& place, std::string_view bytes )
+	    : m_place( place ), m_size( bytes.size() ), m_chunks( bytes )
 	{
 		m_root = parseStrictly( m_chunks.json );
 		if ( !m_root.is_object() )
@@ -354,8 +356,8 @@ private:
 		};
 		if ( root >= m_has_parent.size() || m_has_parent[root] )
 		{
-			fail( fmt::format( "its scene names node {}, which {}", root,
-			    root >= m_has_parent.size() ? "is not there" : "has a parent" ) );
+			fail( fmt::format(
+			    "its scene names node {}, which {}", root, root >= m_has_parent.size() ? "is not there" : "has a parent" ) );
 		}
 		std::vector<Visit> open = { { root, 0, IN_PLACE } };
 		while ( !open.empty() )
@@ -395,9 +397,8 @@ private:
 		{
 			rotate( numbers<4>( *rotation, place + ": its rotation" ), place, out );
 		}
-		const std::array<double, 3> moved = translation != nullptr
-		                                        ? numbers<3>( *translation, place + ": its translation" )
-		                                        : std::array<double, 3>{ 0, 0, 0 },
+		const std::array<double, 3> moved = translation != nullptr ? numbers<3>( *translation, place + ": its translation" )
+		                                                           : std::array<double, 3>{ 0, 0, 0 },
 		                            scaled = scale != nullptr ? numbers<3>( *scale, place + ": its scale" )
 		                                                      : std::array<double, 3>{ 1, 1, 1 };
 		for ( std::size_t row = 0; row < 3; ++row )
@@ -471,7 +472,8 @@ private:
 			}
 			return decodeBase64( std::string_view( uri ).substr( comma + 1 ), place );
 		}
-		const std::filesystem::path beside = std::filesystem::path( m_place.mesh_file ).parent_path() / decodePercents( uri );
+		const std::filesystem::path beside =
+		    std::filesystem::path( m_place.mesh_file ).parent_path() / decodePercents( uri );
 		try
 		{
 			return readFile( beside.string() );
@@ -506,8 +508,8 @@ private:
 		                  ( out.count - 1 ) <= ( length - skipped - size ) / out.stride;
 		if ( !fits )
 		{
-			fail( fmt::format( "{}: {} elements of {} bytes, each {} after the last, from {} on, are not in {} of {} bytes", place,
-			    out.count, size, out.stride, skipped, name, length ) );
+			fail( fmt::format( "{}: {} elements of {} bytes, each {} after the last, from {} on, are not in {} of {} bytes",
+			    place, out.count, size, out.stride, skipped, name, length ) );
 		}
 		return all.substr( offset + skipped, ( out.count - 1 ) * out.stride + size );
 	}
@@ -649,7 +651,8 @@ private:
 		}
 	}
 
-	void readPrimitive( const Json& primitive, std::size_t position, const std::string& place, const Placement& root_from_mesh )
+	void readPrimitive(
+	    const Json& primitive, std::size_t position, const std::string& place, const Placement& root_from_mesh )
 	{
 		const std::vector<double> corners = positions( position, place );
 		std::vector<std::uint32_t> order;

@@ -133,11 +133,12 @@ void MeshPlace::checkRoom( const TriangleSoup& soup, std::size_t triangles, std:
 {
 	const std::uint64_t all = soup.indices.size() / 3 + triangles, corners = soup.vertices.size() / 3 + vertices;
 	// vertices that no triangle names cost as much as others
-	checkLimit( &Limits::triangles, std::max( all, corners / 3 ), fmt::format( "triangles in mesh {}", mesh_file ), from_file,
-	    element );
+	checkLimit( &Limits::triangles, std::max( all, corners / 3 ), fmt::format( "triangles in mesh {}", mesh_file ),
+	    from_file, element );
 	if ( corners > UINT32_MAX )
 	{
-		throw Error( from_file, element, fmt::format( "mesh {} has more vertices than can be numbered", mesh_file ), "split it" );
+		throw Error(
+		    from_file, element, fmt::format( "mesh {} has more vertices than can be numbered", mesh_file ), "split it" );
 	}
 }
 
@@ -177,7 +178,8 @@ void checkOff( std::string_view bytes )
 			const auto number = parseNumber( word );
 			if ( !head && !number )
 			{
-				throw MeshProblem{ fmt::format( "line {} has \"{}\" where a number should be", line + 1, word.substr( 0, 40 ) ) };
+				throw MeshProblem{
+				    fmt::format( "line {} has \"{}\" where a number should be", line + 1, word.substr( 0, 40 ) ) };
 			}
 			if ( !head && numbers < 2 )
 			{
@@ -190,7 +192,8 @@ void checkOff( std::string_view bytes )
 	// assimp makes room for as many as the head says
 	if ( !( counts[0] >= 0 && counts[1] >= 0 && 3 * counts[0] + 2 * counts[1] <= static_cast<double>( numbers ) ) )
 	{
-		throw MeshProblem{ fmt::format( "its head has {:g} vertices and {:g} faces, and there are {} numbers in all", counts[0], counts[1], numbers ) };
+		throw MeshProblem{ fmt::format(
+		    "its head has {:g} vertices and {:g} faces, and there are {} numbers in all", counts[0], counts[1], numbers ) };
 	}
 }
 

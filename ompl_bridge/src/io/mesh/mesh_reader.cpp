@@ -145,7 +145,8 @@ TriangleSoup readByAssimp( const MeshPlace& place, const std::string& extension,
 	Assimp::Importer importer;
 	if ( !extension.empty() && !importer.IsExtensionSupported( extension ) )
 	{
-		throw Error( place.from_file, place.element, fmt::format( "mesh {} is of a type that cannot be read", place.mesh_file ),
+		throw Error( place.from_file, place.element,
+		    fmt::format( "mesh {} is of a type that cannot be read", place.mesh_file ),
 		    "convert it to STL, OBJ, DAE, PLY or glTF" );
 	}
 	// assimp reads the checked bytes, not the file, which another program may write meanwhile
@@ -177,7 +178,8 @@ std::size_t textBegin( const std::string& bytes )
 bool isStlText( const std::string& bytes )
 {
 	const std::size_t begin = bytes.find_first_not_of( " \t\r\n", textBegin( bytes ) );
-	return !isBinaryStl( bytes ) && begin != std::string::npos && ( bytes.compare( begin, 5, "solid" ) == 0 || bytes.compare( begin, 5, "SOLID" ) == 0 );
+	return !isBinaryStl( bytes ) && begin != std::string::npos &&
+	       ( bytes.compare( begin, 5, "solid" ) == 0 || bytes.compare( begin, 5, "SOLID" ) == 0 );
 }
 
 } // namespace
@@ -253,8 +255,9 @@ TriangleSoup readMeshFile(
 		bytes = bytes.empty() ? readFile( mesh_file ) : std::move( bytes );
 		soup = extension == ".gltf" || extension == ".glb" ? readGltf( place, bytes )
 		       : extension == ".dae"                       ? readCollada( place, bytes )
-		       : extension == ".stl" && isStlText( bytes ) ? readStlText( place, std::string_view( bytes ).substr( textBegin( bytes ) ) )
-		                                                   : readByAssimp( place, extension, std::move( bytes ) );
+		       : extension == ".stl" && isStlText( bytes )
+		           ? readStlText( place, std::string_view( bytes ).substr( textBegin( bytes ) ) )
+		           : readByAssimp( place, extension, std::move( bytes ) );
 	}
 	catch ( const MeshProblem& problem )
 	{

@@ -36,7 +36,8 @@ private:
 	/// Empty at the end.
 	std::string_view nextWord()
 	{
-		const auto blank = []( char c ) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; };
+		const auto blank = []( char c )
+		{ return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; };
 		for ( ; m_at < m_text.size() && blank( m_text[m_at] ); ++m_at )
 		{
 			m_line += m_text[m_at] == '\n' ? 1 : 0;

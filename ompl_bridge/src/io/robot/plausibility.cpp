@@ -19,15 +19,15 @@ namespace
 {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double two_turns = 4 * pi;         ///< radians: more than any arm's joint has, less than 13 degrees in radians
-constexpr double bounds_nothing = 1000;      ///< radians
-constexpr double longest_rail = 20;          ///< metres
-constexpr double huge_mesh = 50;             ///< metres
-constexpr double large_mesh = 5;             ///< metres, with
-constexpr double large_ratio = 30;           ///< of the median of a robot's other shapes: a 20 mm finger in millimetres has more
-constexpr double tiny_mesh = 0.0005;         ///< metres
-constexpr double enclosed = 0.9;             ///< winding number: a tenth of all directions may lead out through holes
-constexpr std::size_t links_per_mesh = 2;    ///< tested for being enclosed
+constexpr double two_turns = 4 * pi;    ///< radians: more than any arm's joint has, less than 13 degrees in radians
+constexpr double bounds_nothing = 1000; ///< radians
+constexpr double longest_rail = 20;     ///< metres
+constexpr double huge_mesh = 50;        ///< metres
+constexpr double large_mesh = 5;        ///< metres, with
+constexpr double large_ratio = 30;      ///< of the median of a robot's other shapes: a 20 mm finger in millimetres has more
+constexpr double tiny_mesh = 0.0005;    ///< metres
+constexpr double enclosed = 0.9;        ///< winding number: a tenth of all directions may lead out through holes
+constexpr std::size_t links_per_mesh = 2; ///< tested for being enclosed
 
 struct SizedShape
 {
@@ -97,7 +97,8 @@ void noticeSizes( const std::string& file, const char* element, const std::vecto
 	if ( !large.empty() )
 	{
 		notices.push_back( { file, element,
-		    fmt::format( "meshes of this size are rare: {}; if they are in millimetres, scale them by 0.001", joinNames( large ) ) } );
+		    fmt::format( "meshes of this size are rare: {}; if they are in millimetres, scale them by 0.001",
+		        joinNames( large ) ) } );
 	}
 	if ( !tiny.empty() )
 	{
@@ -128,8 +129,8 @@ double windingNumber( const lw_shape* mesh, const lw_vec3& point )
 		const double volume = v[0][0] * ( v[1][1] * v[2][2] - v[1][2] * v[2][1] ) -
 		                      v[0][1] * ( v[1][0] * v[2][2] - v[1][2] * v[2][0] ) +
 		                      v[0][2] * ( v[1][0] * v[2][1] - v[1][1] * v[2][0] );
-		const double base = length[0] * length[1] * length[2] + dot( 0, 1 ) * length[2] + dot( 1, 2 ) * length[0] +
-		                    dot( 2, 0 ) * length[1];
+		const double base =
+		    length[0] * length[1] * length[2] + dot( 0, 1 ) * length[2] + dot( 1, 2 ) * length[0] + dot( 2, 0 ) * length[1];
 		sum += std::atan2( volume, base );
 	}
 	return sum / ( 2 * pi );
@@ -184,8 +185,8 @@ std::vector<LinkShape> linkShapes( const RobotModel& model, const Problem& probl
 }
 
 /// The first link that a mesh encloses; nullptr if none. A robot hangs together: a few links tell.
-const std::string* enclosedLink( const lw_shape* mesh, const lw_transform& mesh_from_world, const std::vector<LinkShape>& links,
-    const std::function<bool( const std::string& )>& may_touch )
+const std::string* enclosedLink( const lw_shape* mesh, const lw_transform& mesh_from_world,
+    const std::vector<LinkShape>& links, const std::function<bool( const std::string& )>& may_touch )
 {
 	const lw_shape_info box = lw_shape_peek_info( mesh );
 	std::size_t tested = 0;
@@ -278,7 +279,8 @@ void noticeEnclosures( const RobotModel& model, const SceneModel& scene,
 			if ( inside == nullptr && info.type == LW_SHAPE_MESH && !info.solid )
 			{
 				const lw_transform mesh_from_frame = lw_transform_inverse( &placed.pose );
-				inside = enclosedLink( placed.shape.get(), lw_transform_multiply( &mesh_from_frame, &frame_from_world ), links, may_touch );
+				inside = enclosedLink(
+				    placed.shape.get(), lw_transform_multiply( &mesh_from_frame, &frame_from_world ), links, may_touch );
 			}
 		}
 		if ( inside != nullptr )

@@ -23,7 +23,8 @@ lw_digest keyOf( const lw_robot* robot )
 /// lw_reach_def::parallel. @param user the number of threads
 void runOnThreads( void* user, void ( *task )( void*, std::uint32_t ), void* context, std::uint32_t count )
 {
-	inParallel( count, *static_cast<const unsigned*>( user ), [=]( std::size_t i ) { task( context, static_cast<std::uint32_t>( i ) ); } );
+	inParallel( count, *static_cast<const unsigned*>( user ),
+	    [=]( std::size_t i ) { task( context, static_cast<std::uint32_t>( i ) ); } );
 }
 
 /// Builds one, or goes on with one. Empty, with a notice, if this build of the library cannot make hulls: they are there for speed only.
@@ -39,7 +40,8 @@ Reach advance( const Robot& robot, const Reach& from, const ReachOptions& option
 		def.parallel_user = &threads;
 	}
 	def.robot = from ? nullptr : robot.get();
-	lw_status status = from ? lw_reach_continue( from.get(), &def, nullptr, &diag, &reach ) : lw_reach_create( &def, nullptr, &diag, &reach );
+	lw_status status = from ? lw_reach_continue( from.get(), &def, nullptr, &diag, &reach )
+	                        : lw_reach_create( &def, nullptr, &diag, &reach );
 	if ( status == LW_ERROR_UNSUPPORTED )
 	{
 		notices.push_back( { "", "motion hulls", std::string( "are not used: " ) + diag.message } );
@@ -66,8 +68,9 @@ Reach readReach( const Robot& robot, lw_digest key, LoadedReach& loaded )
 {
 	lw_reach* reach = nullptr;
 	const bool good = detail::readCacheFile( loaded.file, key, loaded.notices,
-	    [&]( detail::CacheFile& content, lw_diag& diag )
-	    { return lw_blob_read_reach( content.blob.data(), content.blob.size(), key, robot.get(), nullptr, &diag, &reach ); } );
+	    [&]( detail::CacheFile& content, lw_diag& diag ) {
+		    return lw_blob_read_reach( content.blob.data(), content.blob.size(), key, robot.get(), nullptr, &diag, &reach );
+	    } );
 	return Reach::adopt( good ? reach : nullptr );
 }
 

@@ -128,13 +128,11 @@ std::string writeSpheresYaml( const RobotModel& model, const std::vector<LinkSph
 	for ( const LinkSpheres& link : links )
 	{
 		fmt::format_to( std::back_inserter( text ), "  {}: # {} spheres, at most {:.6f} m beyond the link\n",
-		    quoted( link.link ),
-		    link.count(), link.report.excess );
+		    quoted( link.link ), link.count(), link.report.excess );
 		for ( std::size_t i = 0; i < link.count(); ++i )
 		{
-			fmt::format_to( std::back_inserter( text ), "    - \"center\": [{}]\n      \"radius\": {}\n", center( link, i,
-			    ", " ),
-			    radius( link, i ) );
+			fmt::format_to( std::back_inserter( text ), "    - \"center\": [{}]\n      \"radius\": {}\n",
+			    center( link, i, ", " ), radius( link, i ) );
 		}
 	}
 	return text;

@@ -275,9 +275,8 @@ std::vector<LinkSpheres> spherize( const RobotModel& model, const SpherizeOption
 {
 	if ( options.excess > 0 && options.excess < least_excess )
 	{
-		throw Error( model.urdf_file, "excess", fmt::format( "{} m is below the {} m that the files resolve", options.excess,
-		    least_excess ),
-		    "allow more" );
+		throw Error( model.urdf_file, "excess",
+		    fmt::format( "{} m is below the {} m that the files resolve", options.excess, least_excess ), "allow more" );
 	}
 	Search search( model, options );
 	return options.excess > 0 ? search.byExcess( options.excess ) : search.byCount( options.sphere_count );

@@ -152,8 +152,7 @@ bool SrdfReader::isLeftOut( const XMLElement& at, const std::string& what, const
 	return !defects.empty();
 }
 
-std::string SrdfReader::text(
-    const XMLElement& at, const std::string& what, const char* attribute, Defects& defects ) const
+std::string SrdfReader::text( const XMLElement& at, const std::string& what, const char* attribute, Defects& defects ) const
 {
 	const char* value = at.Attribute( attribute );
 	if ( value == nullptr || *value == '\0' )
@@ -166,16 +165,15 @@ std::string SrdfReader::text(
 	return value;
 }
 
-std::string SrdfReader::link(
-    const XMLElement& at, const std::string& what, const char* attribute, Defects& defects ) const
+std::string SrdfReader::link( const XMLElement& at, const std::string& what, const char* attribute, Defects& defects ) const
 {
 	std::string name = text( at, what, attribute, defects );
 	if ( name.empty() || m_links.count( name ) != 0 )
 	{
 		return name;
 	}
-	defect( at, what, fmt::format( "the URDF has no link {}", name ),
-	    "correct the name, or give the URDF it belongs to", defects );
+	defect( at, what, fmt::format( "the URDF has no link {}", name ), "correct the name, or give the URDF it belongs to",
+	    defects );
 	return "";
 }
 
@@ -214,8 +212,8 @@ bool SrdfReader::usableVirtualJoint( const XMLElement& element, const std::strin
 		defect( element, what, fmt::format( "parent_frame {} is a link of the robot", parent ),
 		    "give the frame another name", defects );
 	}
-	if ( std::any_of( m_model.joints.begin(), m_model.joints.end(),
-	         [&]( const JointModel& joint ) { return joint.name == name; } ) )
+	if ( std::any_of(
+	         m_model.joints.begin(), m_model.joints.end(), [&]( const JointModel& joint ) { return joint.name == name; } ) )
 	{
 		defect( element, what, "the URDF has a joint of this name", "rename the virtual joint", defects );
 	}
@@ -502,8 +500,8 @@ void SrdfReader::readDisabledDefaults( std::set<std::pair<std::string, std::stri
 		}
 		for ( const LinkModel& other : m_model.links )
 		{
-			if ( other.name != a && enabled.count( std::minmax( a, other.name ) ) + all_of.count( a ) +
-			         all_of.count( other.name ) == 0 )
+			if ( other.name != a &&
+			     enabled.count( std::minmax( a, other.name ) ) + all_of.count( a ) + all_of.count( other.name ) == 0 )
 			{
 				disable( a, other.name, "disable_default_collisions", disabled );
 			}
@@ -561,8 +559,9 @@ void SrdfReader::readState( const XMLElement& element, const std::string& name )
 			defect( e, what, error.problem(), error.remedy(), defects );
 		}
 	}
-	const bool whole = group != nullptr && std::all_of( group->joints.begin(), group->joints.end(),
-	                                           [&]( const std::string& joint ) { return state.joints.count( joint ) != 0; } );
+	const bool whole =
+	    group != nullptr && std::all_of( group->joints.begin(), group->joints.end(),
+	                            [&]( const std::string& joint ) { return state.joints.count( joint ) != 0; } );
 	if ( defects.empty() && whole && !absent.empty() )
 	{
 		notice( element, what, fmt::format( "joints were left out: {}", joinNames( absent, 4 ) ) );
@@ -617,7 +616,8 @@ void SrdfReader::checkKind()
 	for ( const XMLElement& e : children( m_xml.root(), nullptr ) )
 	{
 		const std::string name = e.Name();
-		const bool known = std::find( std::begin( known_elements ), std::end( known_elements ), name ) != std::end( known_elements );
+		const bool known =
+		    std::find( std::begin( known_elements ), std::end( known_elements ), name ) != std::end( known_elements );
 		const bool of_urdf = name == "link" || name == "joint";
 		any = any || known;
 		urdf = of_urdf && urdf == nullptr ? &e : urdf;
@@ -628,16 +628,19 @@ void SrdfReader::checkKind()
 	}
 	if ( urdf != nullptr && !any )
 	{
-		m_xml.fail( *urdf, fmt::format( "<{}>", urdf->Name() ), "this is a URDF: it has links and joints, and nothing that an SRDF has",
+		m_xml.fail( *urdf, fmt::format( "<{}>", urdf->Name() ),
+		    "this is a URDF: it has links and joints, and nothing that an SRDF has",
 		    "give the SRDF here and this file as the robot, or leave the SRDF out" );
 	}
 	if ( urdf != nullptr )
 	{
-		notice( *urdf, fmt::format( "<{}>", urdf->Name() ), "links and joints of an SRDF were ignored: those of the URDF count" );
+		notice( *urdf, fmt::format( "<{}>", urdf->Name() ),
+		    "links and joints of an SRDF were ignored: those of the URDF count" );
 	}
 	if ( !unknown.empty() )
 	{
-		notice( m_xml.root(), "<robot>", fmt::format( "elements that are not known were ignored: {}", joinNames( unknown ) ) );
+		notice(
+		    m_xml.root(), "<robot>", fmt::format( "elements that are not known were ignored: {}", joinNames( unknown ) ) );
 	}
 	if ( !any )
 	{

@@ -411,7 +411,8 @@ std::string textForUrdfdom( const XmlFile& xml )
 			}
 		}
 	}
-	for ( XMLElement* joint = robot->FirstChildElement( "joint" ); joint != nullptr; joint = joint->NextSiblingElement( "joint" ) )
+	for ( XMLElement* joint = robot->FirstChildElement( "joint" ); joint != nullptr;
+	      joint = joint->NextSiblingElement( "joint" ) )
 	{
 		// no clearance depends on these, and urdfdom refuses the whole file for a limit without effort or velocity
 		for ( const char* unused : { "dynamics", "calibration", "safety_controller" } )
@@ -540,7 +541,8 @@ JointModel readJoint( const XmlFile& xml, const XMLElement& element, const urdf:
 	{
 		// Bullet takes this for no limits, other programs for a mistake
 		xml.fail( element, what, fmt::format( "lower limit {} is above upper limit {}", model.lower, model.upper ),
-		    model.type == LW_JOINT_REVOLUTE ? "swap or correct them; if it turns without limits, make it continuous" : "swap or correct them" );
+		    model.type == LW_JOINT_REVOLUTE ? "swap or correct them; if it turns without limits, make it continuous"
+		                                    : "swap or correct them" );
 	}
 	if ( joint.mimic && model.type != LW_JOINT_FIXED )
 	{
@@ -641,12 +643,13 @@ void noticeMissingLimits( const XmlFile& xml, std::vector<Notice>& notices )
 	}
 	if ( !joints.empty() )
 	{
-		notices.push_back( { xml.path(), "<limit>", fmt::format( "limits that are missing are 0, as in any URDF: {}", joinNames( joints ) ) } );
+		notices.push_back( { xml.path(), "<limit>",
+		    fmt::format( "limits that are missing are 0, as in any URDF: {}", joinNames( joints ) ) } );
 	}
 }
 
-LinkModel readLink( const XmlFile& xml, const XMLElement& element, const urdf::ModelInterface& urdf, const LoadOptions& options,
-    ShapeLoader& shapes, GeometryLoader& geometry, std::vector<Notice>& notices )
+LinkModel readLink( const XmlFile& xml, const XMLElement& element, const urdf::ModelInterface& urdf,
+    const LoadOptions& options, ShapeLoader& shapes, GeometryLoader& geometry, std::vector<Notice>& notices )
 {
 	LinkModel link;
 	link.name = element.Attribute( "name" );
@@ -669,8 +672,7 @@ LinkModel readLink( const XmlFile& xml, const XMLElement& element, const urdf::M
 		}
 		PlacedShape placed;
 		placed.pose = readOrigin( xml, collision, what, notices );
-		placed.shape =
-		    readShape( xml, collision, what, link.name, given, isSolid( options, link.name ), shapes, geometry );
+		placed.shape = readShape( xml, collision, what, link.name, given, isSolid( options, link.name ), shapes, geometry );
 		link.collision.push_back( std::move( placed ) );
 	}
 	spheres.finish( { xml.path(), xml.place( element, "link " + link.name ), link.name }, geometry, link );

@@ -104,8 +104,7 @@ public:
 			}
 			if ( as_link != LW_INVALID_INDEX && as_object != LW_INVALID_INDEX )
 			{
-				throw Error(
-				    m_file, element, fmt::format( "{} is a link and an object too", *name ), "rename the object" );
+				throw Error( m_file, element, fmt::format( "{} is a link and an object too", *name ), "rename the object" );
 			}
 		}
 		if ( link_a == LW_INVALID_INDEX && link_b == LW_INVALID_INDEX )
@@ -144,7 +143,8 @@ void noticeAllowed( const Margins& margins, const Problem& problem,
 		const lw_robot* robot = problem.robot.get();
 		const std::uint32_t link_a = lw_robot_find_link( robot, a.c_str() ), link_b = lw_robot_find_link( robot, b.c_str() );
 		const bool self = link_a != LW_INVALID_INDEX && link_b != LW_INVALID_INDEX;
-		if ( self ? lw_robot_pair_allowed( robot, link_a, link_b ) : contacts.count( { a, b } ) + contacts.count( { b, a } ) > 0 )
+		if ( self ? lw_robot_pair_allowed( robot, link_a, link_b )
+		          : contacts.count( { a, b } ) + contacts.count( { b, a } ) > 0 )
 		{
 			names.push_back( a + " - " + b );
 		}
@@ -165,7 +165,8 @@ Margins loadMargins( const std::string& file )
 	root.refuseUnknownKeys( { "environment", "self", "links", "self_links", "objects", "pairs" } );
 	Margins margins;
 	margins.file = file;
-	for ( const auto& [key, target] : { std::pair( "environment", &margins.environment ), std::pair( "self", &margins.self ) } )
+	for ( const auto& [key, target] :
+	    { std::pair( "environment", &margins.environment ), std::pair( "self", &margins.self ) } )
 	{
 		const YamlNode node = root[key];
 		*target = node.defined() ? checked( node.number(), file, node.place() ) : 0;
@@ -209,8 +210,7 @@ BoundMargins bindMargins( const Margins& margins, const Problem& problem, const 
 	out.self = checked( margins.self, file, "self" );
 	out.links.assign( lw_robot_link_count( problem.robot.get() ), 0 );
 	out.self_links = out.links;
-	out.objects.assign(
-	    problem.scene ? lw_scene_object_count( problem.scene.get() ) : 0, problem.padding.object );
+	out.objects.assign( problem.scene ? lw_scene_object_count( problem.scene.get() ) : 0, problem.padding.object );
 	// MoveIt pads links against the world, and checks the robot against itself without
 	for ( const auto& [name, padding] : problem.padding.link_padding )
 	{

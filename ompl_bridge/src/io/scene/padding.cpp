@@ -162,7 +162,8 @@ PlacedShape scaledShape( const PlacedShape& placed, double scale, const std::str
 	if ( info.excess > 0 )
 	{
 		// the mean of a coarser mesh's vertices is not that of the mesh, about which it would have to be scaled
-		throw Error( file, element, "a coarser shape cannot be scaled", "load the robot without a level of detail, or remove the scale" );
+		throw Error( file, element, "a coarser shape cannot be scaled",
+		    "load the robot without a level of detail, or remove the scale" );
 	}
 	switch ( info.type )
 	{

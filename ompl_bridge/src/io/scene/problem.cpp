@@ -260,9 +260,8 @@ void Contacts::allowMatrix( const RobotModel& model, const SceneModel& scene, st
 
 // ---- assembly
 
-std::vector<AttachedLink> attachedLinks(
-    const RobotModel& model, const SceneModel& scene, const lw_robot* robot, const Frames& frames,
-    std::map<std::string, lw_transform>& object_poses )
+std::vector<AttachedLink> attachedLinks( const RobotModel& model, const SceneModel& scene, const lw_robot* robot,
+    const Frames& frames, std::map<std::string, lw_transform>& object_poses )
 {
 	std::vector<AttachedLink> links;
 	for ( const AttachedObject& attached : scene.attached )
@@ -313,7 +312,8 @@ Robot createBareRobot( const RobotModel& model, const Contacts& contacts )
 }
 
 /// Attaches the objects one after the other: their meshes are shared, and tables of the bare robot serve on.
-void attachAll( const std::vector<AttachedLink>& attached, const Contacts& contacts, const SceneModel* scene, Problem& problem )
+void attachAll(
+    const std::vector<AttachedLink>& attached, const Contacts& contacts, const SceneModel* scene, Problem& problem )
 {
 	for ( const AttachedLink& object : attached )
 	{
@@ -323,7 +323,8 @@ void attachAll( const std::vector<AttachedLink>& attached, const Contacts& conta
 		{
 			const std::string& other = a == object.name ? b : a;
 			const std::uint32_t link = lw_robot_find_link( robot, other.c_str() );
-			if ( ( a == object.name || b == object.name ) && link != LW_INVALID_INDEX ) // one that comes later sees to it itself
+			if ( ( a == object.name || b == object.name ) &&
+			     link != LW_INVALID_INDEX ) // one that comes later sees to it itself
 			{
 				touch.push_back( link );
 			}
@@ -348,8 +349,8 @@ void attachAll( const std::vector<AttachedLink>& attached, const Contacts& conta
 		lw_status status = lw_robot_attach( robot, &def, nullptr, &diag, &with );
 		if ( status != LW_OK )
 		{
-			throw Error( scene->file, "attached object " + object.name, diag.message[0] != '\0' ? diag.message : lw_status_name( status ),
-			    "correct the object" );
+			throw Error( scene->file, "attached object " + object.name,
+			    diag.message[0] != '\0' ? diag.message : lw_status_name( status ), "correct the object" );
 		}
 		problem.robot = Robot::adopt( with );
 	}
@@ -418,7 +419,8 @@ void selectGroup( const RobotModel& model, const std::string& group_name, Proble
 	{
 		if ( group_name.empty() )
 		{
-			throw Error( model.urdf_file, "robot " + model.name, "has no joint that can move", "if it is an object, give it as the scene (--scene)" );
+			throw Error( model.urdf_file, "robot " + model.name, "has no joint that can move",
+			    "if it is an object, give it as the scene (--scene)" );
 		}
 		throw Error( model.srdf_file, "group " + group_name, "has no movable joint",
 		    "use a group with joints that are neither fixed nor mimicking" );
@@ -430,8 +432,7 @@ void selectGroup( const RobotModel& model, const std::string& group_name, Proble
 }
 
 /// Contact of a link that the group cannot move with an obstacle makes every state invalid: one notice reports this.
-void noticeStaticContact(
-    const RobotModel& model, const SceneModel* scene, const ProblemOptions& options, Problem& problem )
+void noticeStaticContact( const RobotModel& model, const SceneModel* scene, const ProblemOptions& options, Problem& problem )
 {
 	lw_clearance fixed = lw_checker_get_info( problem.checker.get() ).static_environment;
 	if ( scene != nullptr && fixed.upper <= options.min_d )

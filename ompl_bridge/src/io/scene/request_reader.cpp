@@ -80,8 +80,8 @@ void readGoal( const YamlNode& root, Request& request )
 		constraints.notice( fmt::format( "{} alternative goals: the first is used", constraints.size() ) );
 	}
 	YamlNode first = constraints[std::size_t{ 0 }];
-	refuseConstraints( first, { "visibility_constraints" },
-	    "give joint_constraints, position_constraints or orientation_constraints" );
+	refuseConstraints(
+	    first, { "visibility_constraints" }, "give joint_constraints, position_constraints or orientation_constraints" );
 	YamlNode joints = first["joint_constraints"], positions = first["position_constraints"],
 	         orientations = first["orientation_constraints"];
 	if ( joints.size() + positions.size() + orientations.size() == 0 )

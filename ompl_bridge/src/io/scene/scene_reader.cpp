@@ -102,7 +102,8 @@ void SceneReader::checkTop() const
 	m_root.noticeUnknownKeys( { "name", "robot_state", "robot_model_name", "fixed_frame_transforms",
 	    "allowed_collision_matrix", "link_padding", "link_scale", "object_colors", "world", "is_diff" } );
 	m_root["world"].noticeUnknownKeys( { "collision_objects", "octomap", "leeway_articulations" } );
-	m_root.noticeUnused( { "is_diff" }, "objects of the scene that this one changes are not in the file, and not in the world" );
+	m_root.noticeUnused(
+	    { "is_diff" }, "objects of the scene that this one changes are not in the file, and not in the world" );
 }
 
 Shape SceneReader::readPrimitive( const YamlNode& node, const std::string& owner )
@@ -233,7 +234,8 @@ void SceneReader::readShapes(
 	if ( poses.size() != count && !poses_left_out )
 	{
 		( poses.defined() ? poses : object )
-		    .fail( fmt::format( "{} has {} {} and {} {}", shapes_key, count, count == 1 ? "entry" : "entries", poses_key, poses.size() ),
+		    .fail( fmt::format( "{} has {} {} and {} {}", shapes_key, count, count == 1 ? "entry" : "entries", poses_key,
+		               poses.size() ),
 		        "give one pose for each shape" );
 	}
 	lw_transform frame_from_object = object_pose.defined() ? object_pose.pose() : lw_transform_identity();

@@ -59,7 +59,8 @@ struct World::State
 	    const std::map<std::string, Body>& bodies );
 	Checker attach( const std::string& object, Body next_body );
 	lw_transform worldFromLink( const std::string& link, const std::vector<double>& state ) const;
-	std::vector<lw_link_object_pair> allowedPairs( const Problem& next_problem, const std::map<std::string, Body>& next_bodies ) const;
+	std::vector<lw_link_object_pair> allowedPairs(
+	    const Problem& next_problem, const std::map<std::string, Body>& next_bodies ) const;
 	/// Margins of the names that are there; nullopt if there are none at all.
 	std::optional<detail::BoundMargins> bind( Problem& next_problem, const std::map<std::string, Body>& next_bodies ) const;
 
@@ -72,7 +73,8 @@ struct World::State
 };
 
 World::State::State( const RobotModel& robot, const ProblemOptions& options )
-    : file( options.scene != nullptr ? options.scene->file : robot.urdf_file ), allowed( options.scene ), margins( options.margins )
+    : file( options.scene != nullptr ? options.scene->file : robot.urdf_file ), allowed( options.scene ),
+      margins( options.margins )
 {
 	auto built = std::make_shared<Problem>( buildProblem( robot, options ) );
 	if ( !built->scene )
@@ -136,7 +138,8 @@ std::uint32_t World::State::linkOf( const std::string& object, const std::string
 	if ( index == LW_INVALID_INDEX )
 	{
 		throw Error( file, "object " + object,
-		    fmt::format( "robot {} has no link {}", lw_robot_name( problem->robot.get() ), link ), "name a link of the robot" );
+		    fmt::format( "robot {} has no link {}", lw_robot_name( problem->robot.get() ), link ),
+		    "name a link of the robot" );
 	}
 	return index;
 }
@@ -198,9 +201,12 @@ std::optional<detail::BoundMargins> World::State::bind(
 	keep( there.links, isLink );
 	keep( there.self_links, isLink );
 	keep( there.objects, isObject );
-	keep( there.pairs, [&]( const std::pair<std::string, std::string>& pair )
-	    { return ( isLink( pair.first ) || isLink( pair.second ) ) && ( isLink( pair.first ) || isObject( pair.first ) ) &&
-		         ( isLink( pair.second ) || isObject( pair.second ) ); } );
+	keep( there.pairs,
+	    [&]( const std::pair<std::string, std::string>& pair )
+	    {
+		    return ( isLink( pair.first ) || isLink( pair.second ) ) && ( isLink( pair.first ) || isObject( pair.first ) ) &&
+		           ( isLink( pair.second ) || isObject( pair.second ) );
+	    } );
 	std::vector<Notice> notices; // unused: reported when the problem was built, or the margins set
 	return detail::bindMargins( there, next_problem, attached, {}, notices );
 }
@@ -214,8 +220,8 @@ Checker World::State::next( const std::vector<lw_scene_change>& changes, Robot r
 	if ( !changes.empty() )
 	{
 		lw_scene* scene = nullptr;
-		require( lw_scene_edit( problem->scene.get(), changes.data(), static_cast<std::uint32_t>( changes.size() ), nullptr, &diag,
-		             &scene ),
+		require( lw_scene_edit( problem->scene.get(), changes.data(), static_cast<std::uint32_t>( changes.size() ), nullptr,
+		             &diag, &scene ),
 		    diag, object, "correct the change" );
 		next_problem->scene = Scene::adopt( scene );
 	}
@@ -300,7 +306,9 @@ Checker World::State::attach( const std::string& object, Body next_body )
 
 // ---- changes
 
-World::World( const RobotModel& robot, const ProblemOptions& options ) : m_state( std::make_unique<State>( robot, options ) ) {}
+World::World( const RobotModel& robot, const ProblemOptions& options ) : m_state( std::make_unique<State>( robot, options ) )
+{
+}
 
 World::~World() = default;
 
@@ -322,9 +330,9 @@ Checker World::move( const std::string& object, const lw_transform& world_from_o
 	const std::vector<lw_transform> poses = placed( body );
 	std::map<std::string, Body> bodies = m_state->bodies;
 	bodies[object] = std::move( body );
-	Checker checker =
-	    m_state->next( { { LW_SCENE_MOVE, object.c_str(), nullptr, poses.data(), static_cast<std::uint32_t>( poses.size() ) } },
-	        m_state->problem->robot, object, bodies );
+	Checker checker = m_state->next(
+	    { { LW_SCENE_MOVE, object.c_str(), nullptr, poses.data(), static_cast<std::uint32_t>( poses.size() ) } },
+	    m_state->problem->robot, object, bodies );
 	m_state->bodies = std::move( bodies );
 	return checker;
 }
@@ -444,7 +452,8 @@ Checker World::allow( const std::string& link, const std::string& object, bool a
 	const Body& body = m_state->body( object );
 	if ( !body.link.empty() )
 	{
-		throw Error( m_state->file, "object " + object, "is attached to link " + body.link, "give touch_links when it is attached" );
+		throw Error(
+		    m_state->file, "object " + object, "is attached to link " + body.link, "give touch_links when it is attached" );
 	}
 	const detail::AllowedNames before = m_state->allowed;
 	m_state->allowed.set( link, object, allowed );

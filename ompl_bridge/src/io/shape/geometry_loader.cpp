@@ -63,8 +63,8 @@ void GeometryLoader::notice( const Place& place, const std::string& text )
 	m_report.notices.push_back( { place.file, place.element, text } );
 }
 
-Shape GeometryLoader::adopt( const Place& place, LoadedShape line, const Stopwatch& watch, lw_status status,
-    lw_diag diag, lw_shape* shape, const char* remedy )
+Shape GeometryLoader::adopt( const Place& place, LoadedShape line, const Stopwatch& watch, lw_status status, lw_diag diag,
+    lw_shape* shape, const char* remedy )
 {
 	if ( status == LW_OK )
 	{

@@ -46,13 +46,13 @@ double valueOf( std::uint64_t bits )
 /// Raised when the readers of formats make other triangles of a file than before: trees of those are then built anew.
 constexpr std::uint64_t readers = 3;
 
-lw_digest keyOf( const LoadOptions& options, const std::string& extension, const std::array<double, 3>& scale,
-    const std::string& bytes )
+lw_digest keyOf(
+    const LoadOptions& options, const std::string& extension, const std::array<double, 3>& scale, const std::string& bytes )
 {
-	lw_digest key = digestWords( lw_digest{},
-	    { lw_version(), readers, static_cast<std::uint64_t>( options.tree.fit ), options.tree.leaf_size,
-	        bitsOf( options.tree.tile_radius ), bitsOf( options.weld_tolerance ), bitsOf( options.detail ), bitsOf( scale[0] ),
-	        bitsOf( scale[1] ), bitsOf( scale[2] ) } );
+	lw_digest key = digestWords(
+	    lw_digest{}, { lw_version(), readers, static_cast<std::uint64_t>( options.tree.fit ), options.tree.leaf_size,
+	                     bitsOf( options.tree.tile_radius ), bitsOf( options.weld_tolerance ), bitsOf( options.detail ),
+	                     bitsOf( scale[0] ), bitsOf( scale[1] ), bitsOf( scale[2] ) } );
 	return digestText( digestText( key, extension ), bytes ); // the extension says how it is read
 }
 
@@ -248,8 +248,8 @@ lw_status MeshSource::make( lw_diag* diag, lw_shape** out )
 		return LW_OK;
 	}
 	Stopwatch watch;
-	lw_status status = m_cached ? lw_blob_read_shapes( m_blob.data(), m_blob.size(), m_key, nullptr, diag, out, 1 )
-	                            : build( diag, out );
+	lw_status status =
+	    m_cached ? lw_blob_read_shapes( m_blob.data(), m_blob.size(), m_key, nullptr, diag, out, 1 ) : build( diag, out );
 	if ( status != LW_OK )
 	{
 		return status;

@@ -16,9 +16,9 @@ struct OpenedMesh
 {
 	Shape shape; ///< deferred, unless the options say otherwise
 	std::size_t dropped_faces = 0;
-	bool cached = false;           ///< its tree comes, or will come, from the cache
-	double milliseconds = 0;       ///< of the first pass, and of the second if that came at once
-	double cache_milliseconds = 0; ///< of these: looking into the cache
+	bool cached = false;                              ///< its tree comes, or will come, from the cache
+	double milliseconds = 0;                          ///< of the first pass, and of the second if that came at once
+	double cache_milliseconds = 0;                    ///< of these: looking into the cache
 	std::shared_ptr<const std::atomic<double>> built; ///< milliseconds of the second pass; negative until then
 };
 

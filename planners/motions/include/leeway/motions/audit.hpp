@@ -37,7 +37,7 @@ struct AuditSettings
 	/// Metres: near contact no robot point moves more than this between two measured states.
 	double resolution = 1e-4;
 	lw_check_flags flags = LW_CHECK_BOTH;
-	double time = 60; ///< seconds, after which it ends where it is: the path is then not valid
+	double time = 60;          ///< seconds, after which it ends where it is: the path is then not valid
 	ProgressFunction progress; ///< may be empty
 	/// An audit that needs more states is an error before it begins: some hours of work.
 	static constexpr double most_states = 1e8;

@@ -44,7 +44,8 @@ constexpr double limit_tolerance = 1e-5;
 /// One line per variable of a full state that is outside its limits: "joint elbow: 2.9 is above its limit 2.6". NaN is outside.
 std::vector<std::string> limitViolations( const lw_robot* robot, const std::vector<double>& full, double tolerance = 0 );
 /// The same for the variables of a group state.
-std::vector<std::string> groupLimitViolations( const io::Problem& problem, const std::vector<double>& q, double tolerance = 0 );
+std::vector<std::string> groupLimitViolations(
+    const io::Problem& problem, const std::vector<double>& q, double tolerance = 0 );
 
 /// From one value of a variable to another, as edges go: the shorter way around, for a joint that wraps.
 /// @param variable of the robot

@@ -14,7 +14,7 @@ namespace leeway::motions
 struct MotionLimits
 {
 	std::vector<double> velocity, acceleration; ///< [group variables]
-	std::vector<std::string> usual;             ///< variables without a limit of the acceleration, which keep default_acceleration
+	std::vector<std::string> usual; ///< variables without a limit of the acceleration, which keep default_acceleration
 };
 
 /// rad/s^2 or m/s^2 of joints that no file limits, as MoveIt has it.
@@ -22,8 +22,7 @@ constexpr double default_acceleration = 1;
 
 /// Velocities of `limits`, else of the robot; accelerations of `limits`, else default_acceleration.
 /// @throws io::Error for a joint without a velocity limit, and for floating joints
-MotionLimits motionLimits(
-    const io::Problem& problem, const io::RobotModel& robot, const JointLimits& limits );
+MotionLimits motionLimits( const io::Problem& problem, const io::RobotModel& robot, const JointLimits& limits );
 
 /// A quintic for each edge, at rest at both ends, as fast as the limits allow. Angles go on without wrapping.
 /// @param points group states, at least one

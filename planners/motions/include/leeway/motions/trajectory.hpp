@@ -40,8 +40,8 @@ struct TrajectorySettings
 struct Violation
 {
 	lw_verdict verdict = LW_VERDICT_FREE;
-	double time = 0;       ///< seconds
-	std::vector<double> q; ///< group state
+	double time = 0;                ///< seconds
+	std::vector<double> q;          ///< group state
 	std::vector<std::string> names; ///< of its variables
 	bool self = false;
 	Named pair;
@@ -64,8 +64,8 @@ struct TrajectoryAudit
 /// A tolerance of one variable, or of all variables of the group.
 struct Tolerance
 {
-	std::string variable; ///< empty: all
-	double value = 0;     ///< radians or metres, 0 or more
+	std::string variable;      ///< empty: all
+	double value = 0;          ///< radians or metres, 0 or more
 	std::string file, element; ///< that gives it, for errors
 };
 
@@ -95,7 +95,8 @@ TrajectoryAudit auditTrajectory( const io::Problem& problem, const io::RobotMode
     const std::vector<Segment>& segments, const TrajectorySettings& settings, const std::vector<Segment>& instead = {} );
 
 /// Clearances over time, exact, at steps of 10 ms and at the end: lines "time,environment,self", without a header.
-std::string profileCsv( const io::Problem& problem, const std::vector<Segment>& segments, lw_check_flags flags, const std::string& file );
+std::string profileCsv(
+    const io::Problem& problem, const std::vector<Segment>& segments, lw_check_flags flags, const std::string& file );
 
 /// Trajectories that are driven one after the other, by one group or by several.
 class Drive
@@ -106,8 +107,8 @@ public:
 
 	/// Audits a trajectory that begins where the one before ended. A jump from there, or from the start state to a first
 	/// point at time 0, is a problem. The way to a first point that comes later is proved with it if the start is known. @param problem of the trajectory's group, in the world as it is by then @throws io::Error
-	const TrajectoryAudit& add(
-	    const io::Problem& problem, const io::RobotModel& robot, const TrajectoryFile& file, const TrajectorySettings& settings );
+	const TrajectoryAudit& add( const io::Problem& problem, const io::RobotModel& robot, const TrajectoryFile& file,
+	    const TrajectorySettings& settings );
 	/// Segments of the last trajectory.
 	const std::vector<Segment>& segments() const { return m_segments; }
 	/// What the last trajectory leaves unproved.
@@ -125,7 +126,8 @@ private:
 		const char* of;
 	};
 	std::vector<Place> placesOf( const TrajectoryFile& file, const std::string& name ) const;
-	std::vector<Segment> approachesOf( const io::Problem& problem, const TrajectoryFile& file, const TrajectorySettings& settings );
+	std::vector<Segment> approachesOf(
+	    const io::Problem& problem, const TrajectoryFile& file, const TrajectorySettings& settings );
 	std::vector<std::string> differences(
 	    const io::Problem& problem, const io::RobotModel& robot, const TrajectoryFile& file, const Segment& first ) const;
 

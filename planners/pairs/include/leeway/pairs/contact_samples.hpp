@@ -16,16 +16,16 @@ namespace leeway::pairs
 /// Settings of the measurement.
 struct SampleOptions
 {
-	std::uint32_t states = 0;      ///< in which contact of all pairs without a proof is looked for
-	std::uint64_t seed = 0;        ///< of the random states
-	std::uint32_t never_after = 0; ///< states in which pairs that were not seen in contact are looked at; 0 = none
+	std::uint32_t states = 0;           ///< in which contact of all pairs without a proof is looked for
+	std::uint64_t seed = 0;             ///< of the random states
+	std::uint32_t never_after = 0;      ///< states in which pairs that were not seen in contact are looked at; 0 = none
 	motions::ProgressFunction progress; ///< may be empty; called by several threads, one at a time
 };
 
 /// The distances of a pair that is near in nearly all random states.
 struct NearRange
 {
-	std::size_t row = 0; ///< of the pair table
+	std::size_t row = 0;        ///< of the pair table
 	double least = 0, most = 0; ///< metres, over `states` random states
 	std::uint32_t states = 0;
 };

@@ -41,10 +41,10 @@ struct PairRow
 	bool disabled = false; ///< by the SRDF
 	std::string reason;    ///< of the SRDF
 	Opinion opinion = Opinion::NOTHING;
-	bool always = false; ///< in contact in every measured state
+	bool always = false;                    ///< in contact in every measured state
 	std::uint32_t contacts = 0, states = 0; ///< random states in contact, of those looked at
-	std::uint64_t never_seen = 0;           ///< with --never-after: random states without contact; 0 = not asked, or contact was found
-	std::vector<double> contact_state;      ///< a random state in contact, where the reach knows none
+	std::uint64_t never_seen = 0; ///< with --never-after: random states without contact; 0 = not asked, or contact was found
+	std::vector<double> contact_state; ///< a random state in contact, where the reach knows none
 
 	/// Share of the random states in contact.
 	double contactShare() const { return states > 0 ? static_cast<double>( contacts ) / states : pair.contact_share; }

@@ -65,18 +65,19 @@ typedef struct lw_plan_def
 	const double* upper;  ///< [n]
 	lw_edge_def edge;     ///< how states and edges are validated; its min_d is the clearance that the path keeps
 	double range;         ///< longest edge that a tree grows by, Euclidean, > 0; 0 = a length that suits the robot
-	double sample_radius; ///< samples lie within this many ranges of a node, 6.5; 0 = anywhere in the bounds, as half of the first 64
-	uint64_t seed;        ///< equal seeds give equal paths, unless time or a cancellation ends the work, or threads > 1
+	double
+	    sample_radius; ///< samples lie within this many ranges of a node, 6.5; 0 = anywhere in the bounds, as half of the first 64
+	uint64_t seed; ///< equal seeds give equal paths, unless time or a cancellation ends the work, or threads > 1
 	uint32_t
 	    threads; ///< searches side by side with the seeds seed, seed + 1, ..., 1 to 64; the first path ends all: portfolio.hpp; 1
-	uint64_t most_nodes;  ///< of both trees, 2 to 2^32 - 1; 2^20
-	double seconds;       ///< of the clock, for search and smoothing together; INFINITY
+	uint64_t most_nodes;          ///< of both trees, 2 to 2^32 - 1; 2^20
+	double seconds;               ///< of the clock, for search and smoothing together; INFINITY
 	const lw_plan_cancel* cancel; ///< looked at between edges; NULL = none
 	bool smooth;                  ///< shortcuts and cut corners, each edge proved again; true
 	/// After the first path: shorter ones for so many seconds, as long as `seconds` lasts, or for so many samples: optimize.hpp. 0: no; 0
 	double optimize_seconds;
-	uint64_t optimize_samples;    ///< UINT64_MAX
-	bool explain;                 ///< without a path, measure the reasons: up to a second after the end of the search; true
+	uint64_t optimize_samples; ///< UINT64_MAX
+	bool explain;              ///< without a path, measure the reasons: up to a second after the end of the search; true
 	uint32_t cookie;
 } lw_plan_def;
 
@@ -110,9 +111,9 @@ typedef struct lw_plan_tree
 /// Reasons of a search without a path; zeroed if SOLVED, or without lw_plan_def.explain.
 typedef struct lw_plan_stuck
 {
-	lw_plan_tree trees[2];             ///< of starts, of goals
-	double gap;        ///< least distance between nodes of the two trees that were seen together; they may be gone since
-	uint64_t not_free; ///< motions that were blocked or undecided, by an edge or by a state
+	lw_plan_tree trees[2]; ///< of starts, of goals
+	double gap;            ///< least distance between nodes of the two trees that were seen together; they may be gone since
+	uint64_t not_free;     ///< motions that were blocked or undecided, by an edge or by a state
 	lw_plan_pair pairs[LW_PLAN_PAIRS]; ///< the most frequent first
 	uint32_t pair_count;               ///< at most LW_PLAN_PAIRS
 	/// [2][variable_count][2] proved free travel of each joint alone from the first start, then from the first goal, down and
@@ -137,8 +138,8 @@ typedef struct lw_plan_result
 	/// began with. Owned by the result; NULL without optimize_seconds
 	double* improvements;
 	uint32_t improvement_count;
-	double seconds;          ///< of the clock, for the whole call
-	uint64_t seed;           ///< of the search that found the path: with it and threads = 1 the call gives the same path
+	double seconds; ///< of the clock, for the whole call
+	uint64_t seed;  ///< of the search that found the path: with it and threads = 1 the call gives the same path
 	lw_plan_statistics statistics;
 	lw_plan_stuck stuck;
 	char message[LW_PLAN_MESSAGE]; ///< lines in UTF-8 on an outcome without a path, always terminated; empty if SOLVED

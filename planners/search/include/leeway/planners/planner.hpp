@@ -41,8 +41,8 @@ enum class Samples
 /// A path: states one after another in one array, joined by straight edges (lw_robot_interpolate()).
 struct Path
 {
-	std::size_t dimension = 0;   ///< entries of a state
-	std::vector<double> values;  ///< [count() * dimension], metres and radians
+	std::size_t dimension = 0;  ///< entries of a state
+	std::vector<double> values; ///< [count() * dimension], metres and radians
 	std::size_t count() const { return dimension == 0 ? 0 : values.size() / dimension; }
 	const double* operator[]( std::size_t i ) const { return values.data() + i * dimension; }
 	double* operator[]( std::size_t i ) { return values.data() + i * dimension; }
@@ -72,9 +72,9 @@ void requireUsable( const Settings& settings );
 /// When a search or a smoothing ends. Looked at between two edges; an edge takes microseconds, seldom milliseconds.
 struct Stop
 {
-	double seconds = HUGE_VAL;                  ///< of the clock, from the call; NaN and negative values end it at once
-	const std::atomic<bool>* cancel = nullptr;  ///< any thread may set it
-	bool ( *poll )( void* user ) = nullptr;     ///< true = end; called every few edges on the thread of the search
+	double seconds = HUGE_VAL;                 ///< of the clock, from the call; NaN and negative values end it at once
+	const std::atomic<bool>* cancel = nullptr; ///< any thread may set it
+	bool ( *poll )( void* user ) = nullptr;    ///< true = end; called every few edges on the thread of the search
 	void* user = nullptr;
 };
 
@@ -94,11 +94,12 @@ const char* name( Outcome outcome );
 struct Statistics
 {
 	std::uint64_t samples = 0, states = 0, states_free = 0;
-	std::uint64_t lane_states = 0;                                 ///< states checked in the lanes of vectors: lw_checker_states()
+	std::uint64_t lane_states = 0; ///< states checked in the lanes of vectors: lw_checker_states()
 	std::uint64_t edges = 0, free = 0, blocked = 0, undecided = 0; ///< edges = free + blocked + undecided + errors
 	std::uint64_t edge_queries = 0;                                ///< states at which edges measured distances
 	std::uint64_t start_nodes = 0, goal_nodes = 0;
-	std::uint64_t passed_over = 0; ///< states near the scene that lanes left undecided, dropped because few like them were free
+	std::uint64_t passed_over =
+	    0; ///< states near the scene that lanes left undecided, dropped because few like them were free
 
 	/// Adds all counts.
 	Statistics& operator+=( const Statistics& more );
@@ -110,7 +111,8 @@ struct Statistics
 struct Growth
 {
 	std::size_t start_nodes = 0, goal_nodes = 0; ///< may fall: an edge that is not FREE is removed with all nodes behind it
-	double gap = HUGE_VAL; ///< least distance of a start node and a goal node that the search compared; both may be removed since
+	double gap =
+	    HUGE_VAL; ///< least distance of a start node and a goal node that the search compared; both may be removed since
 };
 
 /// Length of the longest edge that suits the robot, in the metric of Planner::distance(): a motion of this length in a random
@@ -162,7 +164,7 @@ public:
 	void clear(); ///< forgets ends, trees and path
 	const Statistics& statistics() const;
 	Growth growth() const; ///< of now; from Stop::poll, too
-	double range() const; ///< in use
+	double range() const;  ///< in use
 	std::size_t dimension() const;
 	/// Euclidean, radians and metres alike; the shorter way for variables that wrap.
 	double distance( const double* a, const double* b ) const;

@@ -11,9 +11,10 @@ struct SmoothSettings
 {
 	lw_edge_def edge = lw_edge_def_default(); ///< each new edge is FREE by it
 	std::uint64_t seed = 1;
-	unsigned rounds = 2;     ///< at most; a round is shortcuts between states, shortcuts between points of edges, then cut corners
-	unsigned shortcuts = 4;  ///< between random points of the path, tried in a round
-	double gain = 0.05;      ///< a round that shortens the path by less than this share is the last
+	unsigned rounds =
+	    2; ///< at most; a round is shortcuts between states, shortcuts between points of edges, then cut corners
+	unsigned shortcuts = 4; ///< between random points of the path, tried in a round
+	double gain = 0.05;     ///< a round that shortens the path by less than this share is the last
 };
 
 /// Shortens a path. A change is made only if all of its edges are FREE, so the path keeps the clearance of `edge`, and it

@@ -48,7 +48,7 @@ constexpr double enclosed_travel = 0.01; ///< radians or metres
 
 struct Stuck
 {
-	TreeGrowth trees[2];             ///< of starts, of goals
+	TreeGrowth trees[2];   ///< of starts, of goals
 	double gap = HUGE_VAL; ///< least distance between nodes of the two trees that were seen together; they may be gone since
 	std::vector<BlockingPair> pairs; ///< the most frequent first
 	std::uint64_t not_free = 0;      ///< motions that were blocked or undecided, by an edge or by a state

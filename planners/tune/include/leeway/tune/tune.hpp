@@ -75,7 +75,7 @@ struct Settings
 	std::size_t states = 400, motions = 100;
 	std::uint64_t seed = 1;
 	Target target;
-	double rate = 0; ///< microseconds per unit of work on this machine; 0: measured
+	double rate = 0;                    ///< microseconds per unit of work on this machine; 0: measured
 	motions::ProgressFunction progress; ///< may be empty
 };
 
