@@ -158,6 +158,17 @@ def test_a_path_file_is_read_in_part(program, standing, tmp_path):
             audit(file)
 
 
+@pytest.mark.parametrize("check, what", [("environment", "env"), ("self", "self")])
+def test_what_is_checked_of_a_trajectory_differs_from_the_programs(check, what, program, standing, tmp_path):
+    """The way through things meets the scene, and not the robot."""
+    file = tmp_path / "trajectory.json"
+    file.write_text(json.dumps(TRAJECTORIES["blocked"]))
+    told = program("audit", [*SCENE, "--trajectory", file, "--what", what])["audit"]
+    found = standing.audit_trajectory(file, check=check)
+    assert without_clocks(found) == without_clocks(told)
+    assert found["verdict"] == ("BLOCKED" if check == "environment" else "FREE")
+
+
 def test_arrays_and_files_of_a_trajectory_differ(standing, tmp_path):
     file = tmp_path / "t.csv"
     times, positions = [0, 1.5, 3], numpy.array([LEFT, HOME, RIGHT])
@@ -176,6 +187,8 @@ def test_roundings_differ_from_the_programs(radius, program, standing, tmp_path)
     file.write_text(path_text(PATHS["over the desk"]))
     told = program("audit", [*SCENE, "--path", file, "--corner-blend", radius])["roundings"]
     assert without_clocks(standing.audit_roundings(file, radius)) == without_clocks(told)
+    told = program("audit", [*SCENE, "--path", file, "--corner-blend", radius, "--tolerance", 0.004])["roundings"]
+    assert without_clocks(standing.audit_roundings(file, radius, tolerance=[0.004] * 4)) == without_clocks(told)
 
 
 @pytest.mark.parametrize("more, settings", [([], {}), (["--never-after", 3000, "--samples", 500, "--seed", 7],

@@ -135,3 +135,26 @@ def test_goal_states_reach_their_pose_and_are_free(checker, robot, states):
     assert far.states.shape == (0, 4) and far.message
     with pytest.raises(leeway.InputError, match="palm"):
         checker.goal_states("palm", pose)
+
+
+def test_a_proved_run_is_the_place_of_the_failure(checker, states):
+    found = checker.path(states, proved_until=True)
+    stopped = ~found.free & checker.is_free(states[:-1])
+    assert stopped.sum() > 5 and (found.proved_until[found.free] == 1).all()
+    assert (found.proved_until[stopped] < found.t[stopped]).all() and (found.proved_until[stopped] > 0).any()
+    assert (checker.path(states).proved_until[stopped] == 0).all()
+
+
+def test_plans_ignore_an_argument(checker, states):
+    both, alone = checker.is_free(states), checker.is_free(states, check="self")
+    free, touching = states[both], states[alone & ~both]
+    assert len(touching) > 0 and not checker.plan(touching[0], free[0]).solved
+    plan = checker.plan(touching[0], touching[0] + 1e-3, check="self")
+    assert plan.solved and (plan.path[0] == touching[0]).all(), plan.message
+    plan = checker.plan(free[0], numpy.array([touching[0], free[1]]))
+    assert plan.solved and (plan.path[-1] == free[1]).all(), plan.message
+    low, high = numpy.minimum(free[0], free[1]), numpy.maximum(free[0], free[1])
+    assert checker.plan(free[0], free[1]).solved
+    for bounds in ({"upper": high - (high > low) * 1e-3}, {"lower": low + (high > low) * 1e-3}):
+        with pytest.raises(leeway.CoreError, match="outside of"):
+            checker.plan(free[0], free[1], **bounds)

@@ -140,3 +140,11 @@ def test_proofs_of_pairs_change_no_answer(robot, scene, checker, states):
     a, b = checker.clearance(states), fast.clearance(states)
     numpy.testing.assert_allclose(a.lower, b.lower, rtol=0, atol=ROUNDING)
     assert (checker.is_free(states) == fast.is_free(states)).all()
+
+
+def test_full_states_of_a_batch_are_those_of_its_first(checker, robot, states):
+    full = checker.full_state(states[:9])
+    columns = [robot.variables.index(name) for name in checker.variables]
+    assert (full[:, columns] == states[:9]).all()
+    others = [k for k in range(len(robot.variables)) if k not in columns]
+    assert (full[:, others] == checker.reference[others]).all() and full.tobytes() == b"".join(checker.full_state(q).tobytes() for q in states[:9])
