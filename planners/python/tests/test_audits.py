@@ -187,8 +187,8 @@ def test_roundings_differ_from_the_programs(radius, program, standing, tmp_path)
     file.write_text(path_text(PATHS["over the desk"]))
     told = program("audit", [*SCENE, "--path", file, "--corner-blend", radius])["roundings"]
     assert without_clocks(standing.audit_roundings(file, radius)) == without_clocks(told)
-    told = program("audit", [*SCENE, "--path", file, "--corner-blend", radius, "--tolerance", 0.004])["roundings"]
-    assert without_clocks(standing.audit_roundings(file, radius, tolerance=[0.004] * 4)) == without_clocks(told)
+    told = program("audit", [*SCENE, "--path", file, "--corner-blend", radius, "--tolerance", 0.3])["roundings"]
+    assert without_clocks(standing.audit_roundings(file, radius, tolerance=[0.3] * 4)) == without_clocks(told) and told["verdict"] != "FREE"
 
 
 @pytest.mark.parametrize("more, settings", [([], {}), (["--never-after", 3000, "--samples", 500, "--seed", 7],
