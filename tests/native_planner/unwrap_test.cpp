@@ -99,4 +99,56 @@ TEST( NativePlannerUnwrap, EachOfSeveralStartsKeepsItsNumbers )
 	EXPECT_EQ( path.values, elsewhere ) << "a start of another path replaced the path's own";
 }
 
+/// A quaternion and its opposite are one rotation; with three opposite numbers it is another.
+TEST( NativePlannerUnwrap, AQuaternionChangesSomeOfItsSigns )
+{
+	const World& world = worldOf( "Drone" );
+	const leeway::Checker checker = world.make();
+	std::vector<double> next = world.start;
+	std::uint32_t opposite = 0;
+	for ( std::uint32_t v = 0; v < next.size(); ++v )
+	{
+		const lw_variable_info info =
+		    lw_robot_variable( lw_checker_robot( checker.get() ), lw_checker_variable( checker.get(), v ) );
+		const bool turns = info.component >= 3;
+		next[v] = turns ? -next[v] : next[v] + 0.01;
+		opposite += turns;
+	}
+	ASSERT_EQ( opposite, 4u );
+	planners::Path path{ next.size(), world.start };
+	path.values.insert( path.values.end(), next.begin(), next.end() );
+	EXPECT_TRUE( planners::unwrap( checker.get(), world.start.data(), path ) );
+	for ( std::size_t v = 0; v < next.size(); ++v )
+	{
+		EXPECT_NEAR( path[1][v], world.start[v], 0.0101 ) << v;
+	}
+}
+
+TEST( NativePlannerUnwrap, TheLastEdgeIsNotProved )
+{
+	const World& world = worldOf( "Arm" );
+	const leeway::Checker checker = world.make();
+	const leeway::Query query = leeway::makeQuery( checker.get() );
+	SeededRng rng( 57 );
+	std::vector<double> touching = world.start;
+	bool is_free = true;
+	while ( is_free )
+	{
+		for ( double& value : touching )
+		{
+			value = rng.uniform( -pi, pi );
+		}
+		ASSERT_EQ(
+		    lw_checker_is_free( checker.get(), query.get(), touching.data(), LW_CHECK_BOTH, 0, &is_free, nullptr ), LW_OK );
+	}
+	planners::Path path{ touching.size(), world.start };
+	path.values.insert( path.values.end(), world.start.begin(), world.start.end() );
+	const lw_edge_def def = lw_edge_def_default();
+	ASSERT_EQ( planners::areFree( checker.get(), query.get(), def, path, is_free, nullptr ), LW_OK );
+	EXPECT_TRUE( is_free );
+	path.values.insert( path.values.end(), touching.begin(), touching.end() );
+	ASSERT_EQ( planners::areFree( checker.get(), query.get(), def, path, is_free, nullptr ), LW_OK );
+	EXPECT_FALSE( is_free );
+}
+
 } // namespace

@@ -255,6 +255,20 @@ TEST_F( CliTrajectory, QuinticsKeepTheSignsOfTheirAccelerations )
 	}
 }
 
+TEST_F( CliTrajectory, QuinticsKeepTheVelocitiesOfBothEnds )
+{
+	// From -1.9 back to it with a velocity of -0.6 at the start, or 0.6 at the end, 2 s later: 16 / 81 of 1.2 rad below, at a third and two thirds
+	const std::string header =
+	    "time,shoulder,elbow,velocity:shoulder,velocity:elbow,acceleration:shoulder,acceleration:elbow\n";
+	for ( const auto& [start, end, time] : { std::tuple( "-0.6", "0", "0.6667" ), std::tuple( "0", "0.6", "1.3333" ) } )
+	{
+		write( "t.csv", header + "0,-1.9,0," + start + ",0,0,0\n2,-1.9,0," + end + ",0,0,0\n" );
+		const std::string out = audit( { "t.csv" } ).out;
+		EXPECT_TRUE( contains( out, "joint shoulder: position of -2.13704" ) ) << out;
+		EXPECT_TRUE( contains( out, std::string( time ) + " s is below its limit -2" ) ) << out;
+	}
+}
+
 TEST_F( CliTrajectory, LengthsOfAGroupWrapTheGroupsOwnJoints )
 {
 	edit( "arm.srdf", "</robot>", "<group name=\"last\"><joint name=\"elbow\"/></group></robot>" );
