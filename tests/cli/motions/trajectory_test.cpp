@@ -280,27 +280,6 @@ TEST_F( CliTrajectory, LengthsOfAGroupWrapTheGroupsOwnJoints )
 	EXPECT_NEAR( report["audit"]["length"].get<double>(), 2 * M_PI - 6, 1e-9 );
 }
 
-TEST_F( CliTrajectory, BoundsBetweenStatesCountTheMotionOfBothBodies )
-{
-	write( "rail.urdf",
-	    "<robot name='rail'><link name='base'><collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link><link name='cart'>"
-	    "<collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link><joint name='rail' type='prismatic'><parent link='base'/><child link='cart'/>"
-	    "<axis xyz='1 0 0'/><limit lower='0' upper='2' effort='1' velocity='1'/></joint></robot>" );
-	write( "p.yaml", "joint_names: [rail]\npoints: [[1], [0.3]]\n" );
-	const Outcome outcome = run(
-	    { "audit", "--robot", "rail.urdf", "--strict", "--path", "p.yaml", "--report", "r.json", "--profile", "p.csv" } );
-	ASSERT_EQ( outcome.status, 0 ) << outcome.err;
-	const Table samples = parseTable( readFile( path( "p.csv" ) ) );
-	double expected = 9;
-	for ( std::size_t i = 1; i < samples.rows.size(); ++i )
-	{
-		const double moved = 1.001 * 0.7 * ( samples.number( i, "t" ) - samples.number( i - 1, "t" ) );
-		expected = std::min( expected, ( samples.number( i - 1, "self" ) + samples.number( i, "self" ) - 2 * moved ) / 2 );
-	}
-	EXPECT_NEAR( nlohmann::json::parse( readFile( path( "r.json" ) ) )["audit"]["self"]["between_states"].get<double>(),
-	    expected, 1e-9 );
-}
-
 // The post stands at shoulder angles around zero, between -1 and 1.
 TEST_F( CliTrajectory, TheWayFromAKnownStartToALateFirstPointIsProved )
 {
