@@ -137,3 +137,30 @@ TEST_F( CliDrive, TheWayToALateFirstPointBeginsWithItsAcceleration )
 	EXPECT_TRUE( contains( out, "joint shoulder: position of -2.10" ) && contains( out, "1.2000 s is below its limit -2" ) )
 	    << out;
 }
+
+TEST_F( CliDrive, ACornerIsUnwrappedFromTheFirstPoint )
+{
+	// away from the post, more than half a turn in all: 1.683 is 4.6 rad from the post's other side
+	edit( "arm.urdf", "<joint name=\"shoulder\" type=\"revolute\">", "<joint name=\"shoulder\" type=\"continuous\">" );
+	write( "p.yaml",
+	    "joint_names: [shoulder, elbow]\npoints: [[-0.6, 0], [-2.6, 0], [" + std::to_string( 2 * M_PI - 4.6 ) + ", 0]]\n" );
+	const Outcome outcome =
+	    runModel( "audit", { "--path", "p.yaml", "--corner-blend", "0.01", "--report", "r.json" }, "blocked.yaml" );
+	ASSERT_NE( outcome.status, 2 ) << outcome.err;
+	EXPECT_EQ( nlohmann::json::parse( readFile( path( "r.json" ) ) )["roundings"]["verdict"], "FREE" ) << outcome.out;
+}
+
+TEST_F( CliDrive, APlannedTrajectoryIsFasterThanTheLimitsOfTheFile )
+{
+	write( "limits.yaml",
+	    "joint_limits:\n  shoulder: {has_velocity_limits: true, max_velocity: 0.2, has_acceleration_limits: true, max_acceleration: 9}\n"
+	    "  elbow: {has_velocity_limits: true, max_velocity: 0.1, has_acceleration_limits: true, max_acceleration: 9}\n" );
+	ASSERT_EQ(
+	    runModel( "plan",
+	        { "--request", "request.yaml", "--out", "path.yaml", "--trajectory", "t.json", "--joint-limits", "limits.yaml" },
+	        "blocked.yaml" )
+	        .status,
+	    0 );
+	const Outcome audited = audit( { "t.json", "--joint-limits", "limits.yaml" } );
+	EXPECT_EQ( audited.status, 0 ) << audited.out;
+}
