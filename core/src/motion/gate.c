@@ -51,26 +51,21 @@ static void add_pair( const gate* g, uint32_t body_a, uint32_t body_b, uint32_t 
 
 // --- the robot in the lanes ------------------------------------------------------------------------------------------
 
-/// Motion of a cluster along the path, seen from another one above it.
-static lwi_motion_rate rate_of( const gate* g, uint32_t cluster, uint32_t ancestor )
+/// Motion of a cluster along the path, seen from the world.
+static lwi_motion_rate rate_of( const gate* g, uint32_t cluster )
 {
 	const lw_checker* c = g->e->checker;
-	return lwi_motion_of( c->base->motion, g->e->path.motion, cluster, g->tree->clusters[ancestor].root_link );
+	return lwi_motion_of( c->base->motion, g->e->path.motion, cluster, g->tree->clusters[0].root_link );
 }
 
+/// @param ancestor cluster above it, from which it is seen
 static double tube_of( const gate* g, uint32_t cluster, uint32_t ancestor )
 {
 	const lw_checker* c = g->e->checker;
 	return lwi_motion_tube_of( c->base->motion, g->e->path.motion, cluster, g->tree->clusters[ancestor].root_link );
 }
 
-/// Largest distance of a cluster's points from motion with their velocities in the middle, within a window and the tolerance.
-static double deviation_of( const gate* g, uint32_t cluster, uint32_t ancestor )
-{
-	return lwi_path_acceleration( g->e, rate_of( g, cluster, ancestor ), g->half ) + tube_of( g, cluster, ancestor );
-}
-
-/// The same for a body, by its place.
+/// The sphere of a body in the lanes, by its place.
 static const lwi_batch_point* body_point( const gate* g, uint32_t place )
 {
 	return lwi_lane_body( g->e->checker, g->e->query, place, g->half );
@@ -96,9 +91,10 @@ static void pose_lanes( gate* g )
 	lwi_pose_lane_spheres( e->checker, e->query, g->half );
 	for ( uint32_t i = 0; i < g->tree->cluster_count; ++i )
 	{
-		e->lane_bounds[i] = ( lwi_lane_bound ){ .size = size_of( &g->clusters[i], rate_of( g, i, 0 ).path ) +
-														2 * g->tree->clusters[i].r.radius,
-			.deviation = deviation_of( g, i, 0 ) };
+		const lwi_motion_rate rate = rate_of( g, i );
+		e->lane_bounds[i] =
+			( lwi_lane_bound ){ .size = size_of( &g->clusters[i], rate.path ) + 2 * g->tree->clusters[i].r.radius,
+				.deviation = lwi_path_acceleration( e, rate, g->half ) + tube_of( g, i, 0 ) };
 	}
 }
 
@@ -130,9 +126,9 @@ typedef struct query_sphere
 static query_sphere make_query_sphere( const gate* g, uint32_t cluster, const lw_sphere* sphere, double margin )
 {
 	const lw_scene* scene = g->e->checker->scene;
-	query_sphere s = { .radius = sphere->radius, .path = rate_of( g, cluster, 0 ).path };
+	query_sphere s = { .radius = sphere->radius, .path = rate_of( g, cluster ).path };
 	g->kernels->batch_point( &g->frames[cluster], sphere->center, scene->origin, g->half, &s.at );
-	s.need = g->e->pairs.need[0] + g->rounding + deviation_of( g, cluster, 0 ) + margin;
+	s.need = g->e->pairs.need[0] + g->rounding + g->e->lane_bounds[cluster].deviation + margin;
 	s.slack = lwi_gap_slack( 2 * ( size_of( &s.at, s.path ) + scene->extent + 2 * sphere->radius ) );
 	s.reach = lwi_round_up( s.radius + s.need + s.slack );
 	return s;
