@@ -492,7 +492,7 @@ std::string plainWords( const std::string& problem )
 	                               match[3].str(), match[2].str() );
 }
 
-// Error text for the first word that is nearly an option; empty if there is none. It is told before an option that it makes missing.
+// Error text for the first word that is nearly an option; empty if there is none. This error replaces one about a missing option.
 std::string misspeltOption( const CLI::App& command, int argc, char** argv )
 {
 	std::vector<std::string> known;

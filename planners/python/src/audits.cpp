@@ -61,7 +61,7 @@ struct Path
 	std::vector<io::Notice> notices;
 };
 
-/// A report, with what was read and has no say in it.
+/// A report, and its notices.
 nb::object dictOf( motions::Json json, const std::vector<io::Notice>& notices )
 {
 	json["notices"] = noticeLines( notices );

@@ -18,7 +18,7 @@ struct SampleOptions
 {
 	std::uint32_t states = 0;           ///< in which contact of all pairs without a proof is looked for
 	std::uint64_t seed = 0;             ///< of the random states
-	std::uint32_t never_after = 0;      ///< states in which pairs that were not seen in contact are looked at; 0 = none
+	std::uint32_t never_after = 0;      ///< random states for each pair without a contact so far; 0: none
 	motions::ProgressFunction progress; ///< may be empty; called by several threads, one at a time
 };
 
