@@ -40,6 +40,7 @@ HOUSES = [
         ("reachability", "motion hulls, proofs and tables of pairs, clearance grids"),
         ("checker", "one group of one robot in one scene: states"),
         ("motion", "are all states of an edge free?"),
+        ("near", "all near pairs of a state, directions and derivatives"),
         ("approximate", "simplification, enclosing spheres: offline, no room includes it"),
         ("blob", "shapes and reachability as bytes"),
     ], "core/CMakeFiles/leeway_core.dir/src"),

@@ -9,6 +9,7 @@
 #include "leeway/detail.h"
 #include "leeway/distance.h"
 #include "leeway/math.h"
+#include "leeway/near.h"
 #include "leeway/reach.h"
 #include "leeway/robot.h"
 #include "leeway/scene.h"

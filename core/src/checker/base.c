@@ -57,6 +57,7 @@ static lw_status mark_group( lwi_checker_base* b, const lw_checker_def* def, dra
 		}
 		d->variable_moves[variable] = true;
 		b->group.variables[i] = variable;
+		b->group.place[variable] = i;
 	}
 	for ( uint32_t joint = 0; joint < d->joints; ++joint )
 	{
@@ -267,6 +268,7 @@ static bool allocate_tables( lwi_checker_base* b )
 	uint32_t bodies = lw_robot_body_count( b->robot ), links = lw_robot_link_count( b->robot );
 	b->body_block_count = ( bodies + LWI_WIDTH - 1 ) / LWI_WIDTH;
 	b->group.variables = lwi_alloc_zero( allocator, b->group.variable_count, sizeof( uint32_t ) );
+	b->group.place = lwi_alloc_zero( allocator, lw_robot_variable_count( b->robot ), sizeof( uint32_t ) );
 	b->group.reference = lwi_alloc_zero( allocator, lw_robot_variable_count( b->robot ), sizeof( double ) );
 	b->group.reference_poses = lwi_alloc_zero( allocator, links, sizeof( lw_transform ) );
 	b->bodies = lwi_alloc_zero( allocator, bodies, sizeof( lwi_checker_body ) );
@@ -277,7 +279,7 @@ static bool allocate_tables( lwi_checker_base* b )
 	b->bytes = sizeof( lwi_checker_base ) + b->group.variable_count * ( sizeof( double[2] ) + sizeof( uint32_t ) ) +
 			   lw_robot_variable_count( b->robot ) * sizeof( double ) + links * sizeof( lw_transform ) +
 			   bodies * ( sizeof( lwi_checker_body ) + sizeof( uint32_t ) + b->body_block_count );
-	return b->group.variables != NULL && b->group.reference != NULL && b->group.reference_poses != NULL &&
+	return b->group.variables != NULL && b->group.place != NULL && b->group.reference != NULL && b->group.reference_poses != NULL &&
 		   b->bodies != NULL && b->moving_bodies != NULL && b->self.mask != NULL && b->group.lower != NULL &&
 		   b->group.upper != NULL;
 }
@@ -437,6 +439,7 @@ void lwi_checker_base_release( lwi_checker_base* b )
 	const lw_allocator allocator = b->allocator;
 	uint32_t bodies = lw_robot_body_count( b->robot );
 	lwi_free( &allocator, b->group.variables, b->group.variable_count * sizeof( uint32_t ) );
+	lwi_free( &allocator, b->group.place, lw_robot_variable_count( b->robot ) * sizeof( uint32_t ) );
 	lwi_free( &allocator, b->group.reference, lw_robot_variable_count( b->robot ) * sizeof( double ) );
 	lwi_free( &allocator, b->group.reference_poses, lw_robot_link_count( b->robot ) * sizeof( lw_transform ) );
 	lwi_free( &allocator, b->bodies, bodies * sizeof( lwi_checker_body ) );

@@ -34,6 +34,7 @@ typedef struct lwi_group
 {
 	uint32_t variable_count;
 	uint32_t* variables;           ///< [variable_count] robot variables of a state vector
+	uint32_t* place;               ///< [robot variable_count] of a variable of the group in `variables`; else 0
 	double* reference;             ///< [robot variable_count] the default in the group, def's outside of it
 	lw_transform* reference_poses; ///< [link_count] world_from_link at the reference
 	double *lower, *upper;         ///< [variable_count] the states for which near masks of checkers hold

@@ -533,28 +533,58 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	}
 }
 
+void lwi_checker_self_pair( const lw_checker* checker, lw_query* query, uint32_t id, lwi_cached_pair* cached,
+	lwi_bound* bound )
+{
+	const uint32_t stride = checker->base->body_block_count * LWI_WIDTH;
+	if ( cached->pair == id )
+	{
+		measure_cached_pair( checker, query, cached, bound );
+	}
+	if ( !bound->done )
+	{
+		bound->current_pair = id;
+		search_self_pair( checker, query, id / stride, id % stride, bound, lwi_search );
+	}
+	if ( bound->upper < INFINITY )
+	{
+		*cached = ( lwi_cached_pair ){ id, bound->triangle_a, bound->triangle_b, bound->upper, true };
+	}
+}
+
 void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lw_range* range,
 	lwi_cached_pair* cached, lw_clearance* out )
 {
-	uint32_t stride = checker->base->body_block_count * LWI_WIDTH, a = id / stride, b = id % stride;
+	const uint32_t stride = checker->base->body_block_count * LWI_WIDTH, a = id / stride, b = id % stride;
 	lwi_bound bound;
 	lwi_bound_init( &bound, range );
 	bound.lowest = lwi_lowest_self( checker->base );
 	if ( body_gap_below( checker, query, a, b, bound.cutoff ) < INFINITY )
 	{
-		if ( cached->pair == id )
-		{
-			measure_cached_pair( checker, query, cached, &bound );
-		}
-		if ( !bound.done )
-		{
-			bound.current_pair = id;
-			search_self_pair( checker, query, a, b, &bound, lwi_search );
-		}
+		lwi_checker_self_pair( checker, query, id, cached, &bound );
 	}
 	self_result( checker, query, &bound, a, b, out );
-	if ( out->upper < INFINITY )
+}
+
+uint32_t lwi_checker_near_self( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
+{
+	const lwi_self_proxies* proxies = &checker->base->tree->self.proxies;
+	const bool at_once = bound->cutoff < INFINITY && proxies->count > 0 && ( proxies->few || !query->pose.covered );
+	const uint32_t count = at_once ? compare_proxies( checker, query, bound ) : walk_steps( checker, query, bound );
+	lwi_heap_build( query->scratch.candidates, count );
+	return count;
+}
+
+uint32_t lwi_checker_next_near_self( const lw_checker* checker, lw_query* query, const lwi_bound* bound, uint32_t* count )
+{
+	while ( *count > 0 )
 	{
-		*cached = ( lwi_cached_pair ){ id, bound.triangle_a, bound.triangle_b, bound.upper, true };
+		const lwi_candidate next = lwi_heap_pop( query->scratch.candidates, count );
+		if ( next.pair < LWI_OPEN )
+		{
+			return next.pair;
+		}
+		open_pair( checker, query, &checker->base->tree->self.pairs[next.pair - LWI_OPEN], bound, count );
 	}
+	return LW_INVALID_INDEX;
 }

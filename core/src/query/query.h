@@ -11,6 +11,11 @@
 
 LW_EXTERN_C_BEGIN
 
+enum
+{
+	LWI_NEAR_CACHE_BITS = 10
+};
+
 /// The nearest pair of a search: the next one measures it first.
 typedef struct lwi_cached_pair
 {
@@ -65,6 +70,8 @@ typedef struct lwi_query_cache
 	uint32_t known_count;
 	uint32_t known_looked;       ///< bits: those measured first in the current state
 	lwi_backoff* motion_backoff; ///< [links] of tests of clusters' spheres M against the scene
+	lwi_cached_pair near[1 << LWI_NEAR_CACHE_BITS]; ///< by a hash: near/near.c
+	uint64_t near_bindings;                         ///< lwi_state_pose::bindings for which they are
 } lwi_query_cache;
 
 /// Arrays of one call: their contents are nobody's before and after it.

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// All pairs of a state that are near. Each has a bound of its own, so that each is measured to its end; pairs that spheres, motion
+// hulls and tables prove to be farther are never looked at, as in the search for the nearest one. Method: core/docs/near.md.
+#include "near/near.h"
+#include "base/math_inline.h"
+#include "checker/pose.h"
+#include "scene/scene.h"
+
+enum
+{
+	NEAR_COOKIE = 0x6c774e72 // "lwNr"
+};
+
+/// Added to the key of a pair of bodies.
+#define OF_SELF 0x80000000u
+
+lw_near_def lw_near_def_default( void )
+{
+	return ( lw_near_def ){ .flags = LW_CHECK_BOTH, .distance = 0.05, .cookie = NEAR_COOKIE };
+}
+
+typedef struct near_search
+{
+	const lw_checker* checker;
+	lw_query* query;
+	const lw_near_def* def;
+	lw_near_pair* rows; ///< [capacity] a heap until the end: the farthest row first
+	uint32_t capacity, kept, total;
+} near_search;
+
+// --- rows ------------------------------------------------------------------------------------------------------------
+
+/// The order of rows.
+static bool is_before( const lw_near_pair* a, const lw_near_pair* b )
+{
+	if ( a->clearance.upper != b->clearance.upper )
+	{
+		return a->clearance.upper < b->clearance.upper;
+	}
+	if ( a->self != b->self )
+	{
+		return b->self;
+	}
+	return a->body_a != b->body_a ? a->body_a < b->body_a : a->body_b < b->body_b;
+}
+
+/// Lets row `at` sink to its place in the heap of `count` rows.
+static void sink( lw_near_pair* rows, uint32_t count, uint32_t at )
+{
+	const lw_near_pair row = rows[at];
+	for ( uint32_t child = 2 * at + 1; child < count; child = 2 * at + 1 )
+	{
+		child += child + 1 < count && is_before( &rows[child], &rows[child + 1] );
+		if ( !is_before( &row, &rows[child] ) )
+		{
+			break;
+		}
+		rows[at] = rows[child];
+		at = child;
+	}
+	rows[at] = row;
+}
+
+static void keep( near_search* s, const lw_near_pair* row )
+{
+	s->total++;
+	if ( s->kept < s->capacity )
+	{
+		uint32_t at = s->kept++;
+		for ( ; at > 0 && is_before( &s->rows[( at - 1 ) / 2], row ); at = ( at - 1 ) / 2 )
+		{
+			s->rows[at] = s->rows[( at - 1 ) / 2];
+		}
+		s->rows[at] = *row;
+	}
+	else if ( s->capacity > 0 && is_before( row, &s->rows[0] ) )
+	{
+		s->rows[0] = *row;
+		sink( s->rows, s->kept, 0 );
+	}
+}
+
+/// Nearest first.
+static void sort( near_search* s )
+{
+	for ( uint32_t count = s->kept; count > 1; )
+	{
+		const lw_near_pair farthest = s->rows[0];
+		s->rows[0] = s->rows[--count];
+		s->rows[count] = farthest;
+		sink( s->rows, count, 0 );
+	}
+}
+
+// --- pairs -----------------------------------------------------------------------------------------------------------
+
+/// A bound for one pair: contact ends the search, a margin does not.
+static lwi_bound bound_of( const near_search* s, double margin )
+{
+	const lw_range range = { -margin, s->def->distance, s->def->alpha };
+	lwi_bound bound;
+	lwi_bound_init( &bound, &range );
+	bound.lowest = -margin;
+	lwi_bound_allow_rounding( &bound, 3 * s->query->pose.rounding, s->query->pose.stretch );
+	return bound;
+}
+
+/// Pairs of an earlier checker, or before a reset, are forgotten.
+static void open_memory( lw_query* query )
+{
+	if ( query->cache.near_bindings != query->pose.bindings )
+	{
+		for ( uint32_t i = 0; i < 1u << LWI_NEAR_CACHE_BITS; ++i )
+		{
+			query->cache.near[i] = ( lwi_cached_pair ){ .pair = LW_INVALID_INDEX };
+		}
+		query->cache.near_bindings = query->pose.bindings;
+	}
+}
+
+static lwi_cached_pair* memory_of( const near_search* s, uint32_t key )
+{
+	return &s->query->cache.near[( key * 2654435769u ) >> ( 32 - LWI_NEAR_CACHE_BITS )];
+}
+
+static void lower( double* out, double value )
+{
+	*out = value < *out ? value : *out;
+}
+
+/// The row of a finished search, if its pair is near.
+/// @param row with its bodies, links and `self`
+static void take( near_search* s, const lwi_bound* bound, lw_near_pair* row )
+{
+	const uint32_t a = row->clearance.a, b = row->clearance.b;
+	row->clearance = lwi_bound_result( bound );
+	if ( bound->failed || row->clearance.kind == LW_CLEARANCE_FAR )
+	{
+		return;
+	}
+	const lw_transform* pose = &s->query->pose.world_from_body[row->body_a];
+	row->clearance.a = a;
+	row->clearance.b = b;
+	row->clearance.point_a = lwi_transform( pose, bound->point_a );
+	row->clearance.point_b = lwi_transform( pose, bound->point_b );
+	const lw_vec3 between = lwi_sub( bound->point_a, bound->point_b );
+	const double length = lwi_length( between );
+	if ( row->clearance.kind == LW_CLEARANCE_NEAR && length > 0 )
+	{
+		row->direction = LW_DIRECTION_UNIQUE;
+		row->normal = lwi_rotate( pose, lwi_v3( between.x / length, between.y / length, between.z / length ) );
+	}
+	if ( s->def->link_clearance != NULL )
+	{
+		lower( &s->def->link_clearance[a], row->clearance.lower );
+		if ( row->self )
+		{
+			lower( &s->def->link_clearance[b], row->clearance.lower );
+		}
+	}
+	keep( s, row );
+}
+
+static void look_at_obstacles( near_search* s, uint32_t body )
+{
+	const lw_checker* c = s->checker;
+	const uint32_t count = lwi_checker_near_obstacles( c, s->query, body, s->def->distance );
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		const uint32_t shape = s->query->scratch.candidates[i].pair, object = c->scene->shapes[shape].object;
+		const double margin = lwi_environment_margin( c, body, object );
+		lwi_bound bound = bound_of( s, margin );
+		lwi_checker_obstacle_pair( c, s->query, body, shape,
+			memory_of( s, body * c->scene->block_count * LWI_WIDTH + shape ), &bound );
+		lw_near_pair row = { .body_a = body, .body_b = shape };
+		row.clearance.a = c->base->bodies[body].link;
+		row.clearance.b = object;
+		take( s, &bound, &row );
+	}
+}
+
+static void look_at_scene( near_search* s )
+{
+	const lw_checker* c = s->checker;
+	if ( c->scene == NULL || c->scene->shape_count == 0 )
+	{
+		return;
+	}
+	for ( uint32_t i = 0; i < c->base->moving_body_count; ++i )
+	{
+		look_at_obstacles( s, c->base->moving_bodies[i] );
+	}
+}
+
+static void look_at_self( near_search* s )
+{
+	const lw_checker* c = s->checker;
+	if ( c->base->self.pair_count == 0 || c->self_unchanged )
+	{
+		return;
+	}
+	const lwi_bound all = bound_of( s, 0 );
+	const uint32_t stride = c->base->body_block_count * LWI_WIDTH;
+	uint32_t count = lwi_checker_near_self( c, s->query, &all ), pair;
+	while ( ( pair = lwi_checker_next_near_self( c, s->query, &all, &count ) ) != LW_INVALID_INDEX )
+	{
+		lw_near_pair row = { .body_a = pair / stride, .body_b = pair % stride, .self = true };
+		row.clearance.a = c->base->bodies[row.body_a].link;
+		row.clearance.b = c->base->bodies[row.body_b].link;
+		lwi_bound bound = bound_of( s, lwi_self_margin( c->base, row.body_a, row.body_b ) );
+		lwi_checker_self_pair( c, s->query, pair, memory_of( s, OF_SELF + pair ), &bound );
+		take( s, &bound, &row );
+	}
+}
+
+// --- the call --------------------------------------------------------------------------------------------------------
+
+static void fill_links( const near_search* s, double value )
+{
+	for ( uint32_t i = 0; s->def->link_clearance != NULL && i < lw_robot_link_count( s->checker->base->robot ); ++i )
+	{
+		s->def->link_clearance[i] = value;
+	}
+}
+
+static bool arguments_are_valid( const near_search* s, const double* q )
+{
+	return s->query != NULL && ( q != NULL || s->checker->base->group.variable_count == 0 ) &&
+		   ( s->rows != NULL || s->capacity == 0 ) && s->def->distance > 0 && s->def->alpha >= 0 && s->def->alpha < 1 &&
+		   s->def->tie_width >= 0 && ( s->def->flags & LW_CHECK_BOTH ) != 0 && lwi_query_fits( s->query, s->checker );
+}
+
+lw_status lw_checker_near( const lw_checker* checker, lw_query* query, const double* q, const lw_near_def* def,
+	lw_near_pair* out, uint32_t capacity, uint32_t* out_count )
+{
+	if ( out_count == NULL )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	*out_count = 0;
+	if ( def == NULL || def->cookie != NEAR_COOKIE )
+	{
+		return LW_ERROR_INVALID_DEF;
+	}
+	near_search s = { checker, query, def, out, capacity, 0, 0 };
+	if ( checker == NULL )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	fill_links( &s, -INFINITY );
+	lw_status status = LW_ERROR_INVALID_ARGUMENT;
+	if ( !arguments_are_valid( &s, q ) || ( status = lwi_checker_pose( checker, query, q ) ) != LW_OK )
+	{
+		return status;
+	}
+	fill_links( &s, def->distance );
+	open_memory( query );
+	query->search.failure = LW_OK;
+	if ( ( def->flags & LW_CHECK_ENVIRONMENT ) != 0 )
+	{
+		look_at_scene( &s );
+	}
+	if ( ( def->flags & LW_CHECK_SELF ) != 0 )
+	{
+		look_at_self( &s );
+	}
+	if ( query->search.failure != LW_OK )
+	{
+		fill_links( &s, -INFINITY );
+		return query->search.failure;
+	}
+	sort( &s );
+	for ( uint32_t i = 0; def->derivatives != NULL && i < s.kept; ++i )
+	{
+		lwi_near_derivatives( checker, query, &out[i], def->derivatives + (size_t)i * checker->base->group.variable_count );
+	}
+	*out_count = s.total;
+	return LW_OK;
+}

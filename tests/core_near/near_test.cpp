@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rows of near pairs against exact distances of all pairs, which know nothing of spheres, hulls, tables and memory.
+#include "near_world.hpp"
+
+#include <cstring>
+
+namespace
+{
+
+/// Link and link, or link and object, with the least upper bound of their rows.
+using LinkPair = std::tuple<bool, std::uint32_t, std::uint32_t>;
+
+LinkPair linksOf( const lw_near_pair& row )
+{
+	const std::uint32_t a = row.clearance.a, b = row.clearance.b;
+	return row.self ? LinkPair{ true, std::min( a, b ), std::max( a, b ) } : LinkPair{ false, a, b };
+}
+
+double length( const lw_vec3& v )
+{
+	return std::sqrt( v.x * v.x + v.y * v.y + v.z * v.z );
+}
+
+class NearWorlds : public testing::TestWithParam<int>
+{
+protected:
+	NearWorlds()
+	{
+		RandomWorldOptions options;
+		options.margins = GetParam() % 3 == 0;
+		world = randomWorld( 4000 + std::uint64_t( GetParam() ), options );
+		checker = GetParam() % 2 == 0 ? world.checker.get() : world.with_tables.get();
+		query = queryOf( checker );
+		auditor = std::make_unique<EdgeAuditor>( world.robot.get(), world.scene.get(), world.variables,
+		    world.reference.data(), world.allowed, 1e-4,
+		    [this]( bool self, std::uint32_t link, std::uint32_t other ) { return world.margins.of( self, link, other ); } );
+	}
+
+	SeededRng rng{ std::mt19937_64( std::uint64_t( GetParam() ) ) };
+	EdgeWorld world;
+	const lw_checker* checker = nullptr;
+	leeway::Query query;
+	std::unique_ptr<EdgeAuditor> auditor;
+};
+
+/// Links that no variable of the group moves: their obstacles have no rows.
+std::vector<bool> standingLinks( const EdgeWorld& world, SeededRng& rng )
+{
+	const lw_robot* robot = world.robot.get();
+	std::vector<lw_transform> a( lw_robot_link_count( robot ) ), b = a;
+	EXPECT_EQ( LW_OK, lw_robot_fk( robot, world.full( randomGroupState( world, rng ) ).data(), a.data() ) );
+	EXPECT_EQ( LW_OK, lw_robot_fk( robot, world.full( randomGroupState( world, rng ) ).data(), b.data() ) );
+	std::vector<bool> out;
+	for ( std::size_t i = 0; i < a.size(); ++i )
+	{
+		out.push_back( std::memcmp( &a[i], &b[i], sizeof( lw_transform ) ) == 0 );
+	}
+	return out;
+}
+
+/// Intervals of all rows hold the auditor's clearance, and no pair is missing.
+void expectAllPairs( const EdgeWorld& world, EdgeAuditor& auditor, const NearRows& near, const std::vector<double>& q,
+    double distance, const std::vector<bool>& standing )
+{
+	std::map<LinkPair, const lw_near_pair*> least;
+	for ( const lw_near_pair& row : near.rows )
+	{
+		const auto place = least.emplace( linksOf( row ), &row ).first;
+		place->second = row.clearance.upper < place->second->clearance.upper ? &row : place->second;
+	}
+	const std::vector<double> full = world.full( q );
+	const std::uint32_t links = lw_robot_link_count( world.robot.get() );
+	const std::uint32_t objects = world.scene ? lw_scene_object_count( world.scene.get() ) : 0;
+	const auto compare = [&]( bool self, std::uint32_t a, std::uint32_t b )
+	{
+		const double clearance = auditor.clearance( full.data(), self, a, b );
+		const auto row = least.find( { self, a, b } );
+		if ( row == least.end() )
+		{
+			EXPECT_GE( clearance, distance - 1e-9 ) << "no row of " << self << " " << a << " " << b;
+			return;
+		}
+		EXPECT_LE( row->second->clearance.lower, clearance + 1e-9 );
+		// the auditor measures until a clearance is below 0
+		EXPECT_TRUE( clearance <= 0 || row->second->clearance.upper >= clearance - 1e-9 );
+		EXPECT_LE( near.links[a], row->second->clearance.lower );
+		EXPECT_GE( clearance + 1e-9, std::min( distance, near.links[a] ) );
+	};
+	for ( std::uint32_t a = 0; a < links; ++a )
+	{
+		for ( std::uint32_t b = a + 1; b < links; ++b )
+		{
+			compare( true, a, b );
+		}
+		for ( std::uint32_t b = 0; b < objects && !standing[a]; ++b )
+		{
+			compare( false, a, b );
+		}
+	}
+}
+
+TEST_P( NearWorlds, EachNearPairHasARow )
+{
+	const std::vector<bool> standing = standingLinks( world, rng );
+	for ( int i = 0; i < 12; ++i )
+	{
+		const std::vector<double> q = randomGroupState( world, rng );
+		lw_near_def def = lw_near_def_default();
+		def.distance = i % 4 == 0 ? INFINITY : rng.decade( -3, 0 );
+		const NearRows near = nearPairs( checker, query.get(), q, def );
+		ASSERT_EQ( LW_OK, near.status );
+		expectAllPairs( world, *auditor, near, q, std::min( def.distance, 1e9 ), standing );
+	}
+}
+
+TEST_P( NearWorlds, RowsAreInOrderAndTellTheDirectionOut )
+{
+	for ( int i = 0; i < 6; ++i )
+	{
+		const std::vector<double> q = randomGroupState( world, rng );
+		lw_near_def def = lw_near_def_default();
+		def.distance = 0.3;
+		const NearRows near = nearPairs( checker, query.get(), q, def );
+		ASSERT_EQ( LW_OK, near.status );
+		for ( std::size_t k = 0; k < near.rows.size(); ++k )
+		{
+			const lw_near_pair& row = near.rows[k];
+			EXPECT_TRUE( k == 0 || near.rows[k - 1].clearance.upper <= row.clearance.upper );
+			const bool apart = row.clearance.kind == LW_CLEARANCE_NEAR;
+			EXPECT_EQ( row.direction != LW_DIRECTION_NONE, apart );
+			EXPECT_NEAR( length( row.normal ), apart ? 1 : 0, 1e-12 );
+			if ( apart )
+			{
+				const double margin = row.self
+				                          ? lw_checker_self_margin( checker, row.clearance.a, row.clearance.b )
+				                          : lw_checker_environment_margin( checker, row.clearance.a, row.clearance.b );
+				const double distance = row.clearance.upper + margin;
+				EXPECT_NEAR( row.clearance.point_a.x, row.clearance.point_b.x + distance * row.normal.x, 1e-9 );
+				EXPECT_NEAR( row.clearance.point_a.y, row.clearance.point_b.y + distance * row.normal.y, 1e-9 );
+				EXPECT_NEAR( row.clearance.point_a.z, row.clearance.point_b.z + distance * row.normal.z, 1e-9 );
+				EXPECT_LE( row.clearance.upper - row.clearance.lower, 1e-9 );
+			}
+		}
+	}
+}
+
+TEST_P( NearWorlds, ABufferThatIsTooSmallKeepsTheNearestAndCountsAll )
+{
+	const std::vector<double> q = randomGroupState( world, rng );
+	lw_near_def def = lw_near_def_default();
+	def.distance = INFINITY;
+	const NearRows all = nearPairs( checker, query.get(), q, def );
+	ASSERT_EQ( LW_OK, all.status );
+	for ( const std::uint32_t capacity : { 0u, 1u, 3u } )
+	{
+		const NearRows few = nearPairs( checker, query.get(), q, def, capacity );
+		ASSERT_EQ( LW_OK, few.status );
+		EXPECT_EQ( all.total, few.total );
+		EXPECT_EQ( all.links, few.links );
+		for ( std::size_t k = 0; k < few.rows.size(); ++k )
+		{
+			EXPECT_EQ( bodiesOf( all.rows[k] ), bodiesOf( few.rows[k] ) );
+		}
+	}
+}
+
+TEST_P( NearWorlds, MemoryOfEarlierStatesChangesNoRow )
+{
+	std::vector<double> q = randomGroupState( world, rng );
+	lw_near_def def = lw_near_def_default();
+	def.distance = 0.2;
+	leeway::Query cold = queryOf( checker, false );
+	for ( int i = 0; i < 8; ++i )
+	{
+		for ( double& value : q )
+		{
+			value += rng.uniform( -0.02, 0.02 );
+		}
+		lw_query_reset( cold.get() );
+		const NearRows a = nearPairs( checker, query.get(), q, def ), b = nearPairs( checker, cold.get(), q, def );
+		ASSERT_EQ( b.total, a.total );
+		for ( std::size_t k = 0; k < a.rows.size(); ++k )
+		{
+			EXPECT_NEAR( a.rows[k].clearance.upper, b.rows[k].clearance.upper, 1e-11 );
+		}
+	}
+}
+
+INSTANTIATE_TEST_SUITE_P( Random, NearWorlds, testing::Range( 0, 24 ) );
+
+TEST( Near, BadArgumentsReadAsNoClearance )
+{
+	const EdgeWorld world = randomWorld( 77 );
+	const lw_checker* checker = world.checker.get();
+	const leeway::Query query = queryOf( checker );
+	std::vector<double> q = world.home, links( lw_robot_link_count( world.robot.get() ), 1.0 );
+	std::uint32_t count = 7;
+	lw_near_def def = lw_near_def_default();
+	def.link_clearance = links.data();
+	const auto status = [&] { return lw_checker_near( checker, query.get(), q.data(), &def, nullptr, 0, &count ); };
+	const auto refused = [&]
+	{
+		count = 7;
+		std::fill( links.begin(), links.end(), 1.0 );
+		return status() == LW_ERROR_INVALID_ARGUMENT && count == 0 && links[0] == -INFINITY;
+	};
+	EXPECT_EQ( LW_OK, status() );
+	for ( const double bad : { 0.0, -1.0, static_cast<double>( NAN ) } )
+	{
+		def.distance = bad;
+		EXPECT_TRUE( refused() ) << bad;
+	}
+	def.distance = 0.1;
+	def.alpha = 1;
+	EXPECT_TRUE( refused() );
+	def.alpha = 0;
+	def.tie_width = NAN;
+	EXPECT_TRUE( refused() );
+	def.tie_width = 0;
+	def.flags = static_cast<lw_check_flags>( 0 );
+	EXPECT_TRUE( refused() );
+	def.flags = LW_CHECK_BOTH;
+	q[0] = NAN;
+	EXPECT_TRUE( refused() );
+	q[0] = world.home[0];
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_near( checker, query.get(), q.data(), &def, nullptr, 3, &count ) );
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_checker_near( checker, query.get(), q.data(), &def, nullptr, 0, nullptr ) );
+	EXPECT_EQ( LW_ERROR_INVALID_DEF, lw_checker_near( checker, query.get(), q.data(), nullptr, nullptr, 0, &count ) );
+	def.cookie = 0;
+	EXPECT_EQ( LW_ERROR_INVALID_DEF, status() );
+}
+
+} // namespace
