@@ -129,7 +129,8 @@ const HelpText check_help = {
 Example: leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out out.csv
 
 states.csv: a header of joint names, then one state per line.
-out.csv: index,verdict,env_lower,env_upper,env_link,env_object,self_lower,self_upper,self_link1,self_link2,microseconds)",
+out.csv: index,verdict,env_lower,env_upper,env_link,env_object,self_lower,self_upper,self_link1,self_link2,microseconds
+With --near D: all pairs of bodies below D metres, nearest first, with points, direction and (--derivatives) the change by each joint.)",
     R"(states.csv: "-" reads standard input. A planar joint has the columns <joint>/x, /y and /theta; a floating joint
 <joint>/trans_x, /trans_y, /trans_z, /rot_x, /rot_y, /rot_z and /rot_w. Joints without a column keep the value of the
 request's start state, else 0, with a notice. Columns of joints outside --group are used; other unknown columns are
@@ -137,7 +138,11 @@ ignored with a notice. Values outside joint limits are used unchanged, with a no
 number is an error. Self pairs are the pairs that the group (without --group: any joint) can move against each other.
 
 out.csv: intervals are certified, lower <= true clearance <= upper, and numbers read back exactly. index counts data rows
-from 0. Names are empty if no pair is within --max-d; cells of a clearance that --what excludes are empty.)" };
+from 0. Names are empty if no pair is within --max-d; cells of a clearance that --what excludes are empty.
+
+--near D: index,verdict,with (link or object),link,other,lower,upper, the nearest point of each, normal (unit, from other to
+link), direction: unique; tied if other points are as near, such as of parallel faces; none in contact. d:JOINT is the derivative of
+the clearance by the joint, metres per radian or metre. Bodies that no joint of the group moves have no line with obstacles.)" };
 
 const HelpText edge_help = {
     R"(Checks straight joint-space motions: is each one free from end to end?

@@ -117,6 +117,12 @@ CLI::App* addCheck( CLI::App& app, CheckOptions& options )
 	addHelp( *command, check_help.summary, check_help.details );
 	addCommonOptions( *command, options.common, { true, true, true, true, true } );
 	command->add_option( "--states", options.states, "table of states" )->type_name( "states.csv" )->required();
+	CLI::Option* near =
+	    command->add_option( "--near", options.near, "metres: the table has all pairs of bodies below this, a line each" );
+	near->type_name( "D" );
+	command
+	    ->add_flag( "--derivatives", options.derivatives, "with --near: columns d:JOINT, of each clearance by each joint" )
+	    ->needs( near );
 	command->add_option( "--out", options.out, "table of answers; without it, standard output" )->type_name( "out.csv" );
 	return command;
 }
@@ -340,6 +346,14 @@ void validate( const CLI::App& chosen, const ViewOptions& options )
 	cli::validate( chosen, options.picture );
 }
 
+void validate( const CLI::App& chosen, const CheckOptions& options )
+{
+	if ( chosen.get_option( "--near" )->count() > 0 )
+	{
+		requirePositive( "--near", options.near );
+	}
+}
+
 void validate( const CLI::App& chosen, const SpherizeOptions& options )
 {
 	requireNotNegative( "--close-holes", options.close_holes );
@@ -433,6 +447,7 @@ int dispatch( const CLI::App& app, Commands& commands )
 	if ( name == "check" )
 	{
 		validate( *chosen, commands.check.common );
+		validate( *chosen, commands.check );
 		return runCheck( commands.check );
 	}
 	if ( name == "edge" )

@@ -102,6 +102,8 @@ struct CheckOptions
 {
 	CommonOptions common;
 	std::string states, out;
+	double near = 0; ///< metres; 0: not asked
+	bool derivatives = false;
 };
 
 struct EdgeCommandOptions

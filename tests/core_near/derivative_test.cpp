@@ -82,8 +82,8 @@ TEST_P( NearDerivatives, OfAPointAreThoseOfForwardKinematics )
 	{
 		std::vector<double> jacobian( 3 * variables );
 		const lw_vec3 point = lw_transform_point( &poses[link], local );
-		ASSERT_EQ( LW_OK, lw_checker_point_jacobian(
-		                      world.checker.get(), query.get(), q.data(), link, point, jacobian.data() ) );
+		ASSERT_EQ(
+		    LW_OK, lw_checker_point_jacobian( world.checker.get(), query.get(), q.data(), link, point, jacobian.data() ) );
 		for ( std::size_t v = 0; v < variables; ++v )
 		{
 			std::vector<double> less = q, more = q;

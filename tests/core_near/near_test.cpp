@@ -131,9 +131,8 @@ TEST_P( NearWorlds, RowsAreInOrderAndTellTheDirectionOut )
 			EXPECT_NEAR( length( row.normal ), apart ? 1 : 0, 1e-12 );
 			if ( apart )
 			{
-				const double margin = row.self
-				                          ? lw_checker_self_margin( checker, row.clearance.a, row.clearance.b )
-				                          : lw_checker_environment_margin( checker, row.clearance.a, row.clearance.b );
+				const double margin = row.self ? lw_checker_self_margin( checker, row.clearance.a, row.clearance.b )
+				                               : lw_checker_environment_margin( checker, row.clearance.a, row.clearance.b );
 				const double distance = row.clearance.upper + margin;
 				EXPECT_NEAR( row.clearance.point_a.x, row.clearance.point_b.x + distance * row.normal.x, 1e-9 );
 				EXPECT_NEAR( row.clearance.point_a.y, row.clearance.point_b.y + distance * row.normal.y, 1e-9 );

@@ -7,7 +7,7 @@
 
 LW_EXTERN_C_BEGIN
 
-/// What is known of the direction between the nearest points of a pair.
+/// The direction between the nearest points of a pair.
 typedef enum lw_direction
 {
 	LW_DIRECTION_NONE = 0,   ///< the bodies touch: no direction, `normal` and derivatives are 0
@@ -21,7 +21,7 @@ typedef enum lw_direction
 typedef struct lw_near_pair
 {
 	/// a = link, b = object, or link if `self`. NEAR: the surfaces are apart, [lower, upper] is certified. VIOLATION: they touch,
-	/// upper is minus the margin. UNDECIDED: rounding decides which of both.
+	/// upper is minus the margin. UNDECIDED: their distance is below rounding.
 	lw_clearance clearance;
 	lw_vec3 normal;  ///< unit, world: from point_b to point_a, the way in which a leaves b
 	uint32_t body_a; ///< robot body, of link clearance.a

@@ -279,9 +279,9 @@ static bool allocate_tables( lwi_checker_base* b )
 	b->bytes = sizeof( lwi_checker_base ) + b->group.variable_count * ( sizeof( double[2] ) + sizeof( uint32_t ) ) +
 			   lw_robot_variable_count( b->robot ) * sizeof( double ) + links * sizeof( lw_transform ) +
 			   bodies * ( sizeof( lwi_checker_body ) + sizeof( uint32_t ) + b->body_block_count );
-	return b->group.variables != NULL && b->group.place != NULL && b->group.reference != NULL && b->group.reference_poses != NULL &&
-		   b->bodies != NULL && b->moving_bodies != NULL && b->self.mask != NULL && b->group.lower != NULL &&
-		   b->group.upper != NULL;
+	return b->group.variables != NULL && b->group.place != NULL && b->group.reference != NULL &&
+		   b->group.reference_poses != NULL && b->bodies != NULL && b->moving_bodies != NULL && b->self.mask != NULL &&
+		   b->group.lower != NULL && b->group.upper != NULL;
 }
 
 /// The tree, the motion and swept volumes of its clusters, and the separations of self pairs that the reach proves.

@@ -62,6 +62,7 @@ bool lwi_bound_offer( lwi_bound* bound, double lower, double upper )
 										  : lw_range_threshold( min_d ).max_d;
 	decisive = decisive < upper ? decisive : upper;
 	cutoff = cutoff > decisive ? cutoff : decisive;
+	cutoff += bound->ties != NULL ? bound->ties->width : 0;
 	bound->cutoff = cutoff < bound->cutoff ? cutoff : bound->cutoff;
 	bound->pair = bound->current_pair;
 	return true;

@@ -11,6 +11,17 @@ LW_EXTERN_C_BEGIN
 
 typedef struct lwi_search_memory lwi_search_memory;
 
+/// Asks a search if other points than the nearest two are as near: it then goes on where it would end, up to `width` beyond them.
+typedef struct lwi_ties
+{
+	double width;             ///< metres
+	double apart;             ///< metres: points nearer than this to the nearest two are the same
+	double limit;             ///< metres: distance of the nearest two, and the width
+	lw_vec3 point_a, point_b; ///< the nearest two, in a's shape frame
+	lw_vec3 normal;           ///< unit, from b to a
+	bool found;
+} lwi_ties;
+
 /// The running bound of one search, shared by all its pairs. Method and proof: core/docs/distance.md.
 /// Everything in it is clearance: distance less the margin of the pair, which may make it negative (core/docs/margins.md).
 typedef struct lwi_bound
@@ -30,6 +41,7 @@ typedef struct lwi_bound
 	uint32_t triangle_a, triangle_b;
 	uint32_t pair;         ///< `current_pair` when it was found
 	uint32_t current_pair; ///< set by the caller before each search
+	lwi_ties* ties;        ///< NULL: not asked
 } lwi_bound;
 
 void lwi_bound_init( lwi_bound* bound, const lw_range* range );

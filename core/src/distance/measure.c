@@ -32,6 +32,12 @@ static void offer( lwi_searching* s, double lower, double upper, lw_vec3 point_a
 	double radius_a = s->a->primitive ? 0 : lwi_item_radius( s->a, item_a );
 	double radius_b = s->b->primitive ? 0 : lwi_item_radius( s->b, item_b );
 	double radii = radius_a + radius_b, low = lower - radii, high = upper - radii;
+	if ( s->bound->ties != NULL )
+	{
+		lw_vec3 a = point_a, b = point_b;
+		dilate( radius_a, radius_b, upper, &a, &b );
+		lwi_note_tie( s, high, a, b, item_a, item_b );
+	}
 	if ( lwi_bound_offer( s->bound, low > 0 ? low : 0, high > 0 ? high : 0 ) )
 	{
 		lwi_set_direction( s, point_a, point_b );
@@ -42,16 +48,6 @@ static void offer( lwi_searching* s, double lower, double upper, lw_vec3 point_a
 		s->bound->triangle_a = item_a;
 		s->bound->triangle_b = item_b;
 		lwi_update_limit( s );
-	}
-}
-
-/// The corners of a triangle, or three times the centre of a ball.
-static void load_corners( const lw_shape* shape, uint32_t item, lw_vec3 out[3] )
-{
-	for ( int i = 0; i < 3; ++i )
-	{
-		size_t vertex = shape->indices != NULL ? shape->indices[3 * (size_t)item + (size_t)i] : item;
-		out[i] = lwi_load( shape->vertices + 3 * vertex );
 	}
 }
 
@@ -67,8 +63,8 @@ static void measure_balls( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 static void measure_triangles( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 {
 	lw_vec3 a[3], b[3];
-	load_corners( s->a, item_a, a );
-	load_corners( s->b, item_b, b );
+	lwi_load_corners( s->a, item_a, a );
+	lwi_load_corners( s->b, item_b, b );
 	for ( int i = 0; i < 3; ++i )
 	{
 		b[i] = lwi_transform( s->a_from_b, b[i] );
@@ -87,27 +83,6 @@ static void measure_triangles( lwi_searching* s, uint32_t item_a, uint32_t item_
 	}
 }
 
-lwi_convex lwi_convex_of_primitive( const lw_shape* shape )
-{
-	lwi_convex convex = { .type = LWI_CONVEX_BOX };
-	if ( shape->family == LWI_UNBOUNDED )
-	{
-		return convex; // no size
-	}
-	if ( shape->type == LW_SHAPE_BOX )
-	{
-		for ( int i = 0; i < 3; ++i )
-		{
-			convex.size[i] = 0.5 * shape->dimensions[i];
-		}
-		return convex;
-	}
-	convex.type = shape->type == LW_SHAPE_CYLINDER ? LWI_CONVEX_CYLINDER : LWI_CONVEX_CONE;
-	convex.size[0] = shape->dimensions[0];
-	convex.size[1] = 0.5 * shape->dimensions[1];
-	return convex;
-}
-
 /// An item as a convex piece; *center is the origin of the piece's frame.
 static lwi_convex convex_of_item( const lw_shape* shape, uint32_t item, lw_vec3* center )
 {
@@ -119,7 +94,7 @@ static lwi_convex convex_of_item( const lw_shape* shape, uint32_t item, lw_vec3*
 	lwi_convex convex = { .type = LWI_CONVEX_TRIANGLE };
 	if ( shape->family != LWI_BOXES )
 	{
-		load_corners( shape, item, convex.vertex );
+		lwi_load_corners( shape, item, convex.vertex );
 		return convex;
 	}
 	convex.type = LWI_CONVEX_BOX;
@@ -194,19 +169,8 @@ static span span_of_item( const lw_shape* shape, uint32_t item, lw_vec3 n, lw_ve
 		return s;
 	}
 	lw_vec3 corners[8];
-	int count = shape->family == LWI_BOXES ? 8 : shape->family == LWI_BALLS ? 1 : 3;
-	if ( shape->family == LWI_BOXES )
-	{
-		for ( unsigned i = 0; i < 8; ++i )
-		{
-			corners[i] = lwi_hull_point( shape, 8 * (size_t)item + i );
-		}
-	}
-	else
-	{
-		load_corners( shape, item, corners );
-	}
-	for ( int i = 0; i < count; ++i )
+	const uint32_t count = lwi_item_corners( shape, item, corners );
+	for ( uint32_t i = 0; i < count; ++i )
 	{
 		widen( &s, lwi_dot( n, lwi_sub( corners[i], on_plane ) ), corners[i] );
 	}

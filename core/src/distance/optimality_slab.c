@@ -139,9 +139,9 @@ bool lwi_witness_proves( lwi_searching* s, uint32_t* budget )
 	lwi_bound* bound = s->bound;
 	bool known_a = s->a->primitive || bound->triangle_a < s->a->item_count,
 		 known_b = s->b->primitive || bound->triangle_b < s->b->item_count;
-	if ( !( bound->upper < INFINITY ) || bound->pair != bound->current_pair || !known_a || !known_b )
+	if ( bound->ties != NULL || !( bound->upper < INFINITY ) || bound->pair != bound->current_pair || !known_a || !known_b )
 	{
-		return false; // another pair of shapes has it
+		return false; // another pair of shapes has it, or those that are as near are wanted too
 	}
 	// left to prove: no pair is nearer than `target`, which for the rest of the search is as good as the bound
 	double target = fmin( bound->cutoff, bound->upper - s->error );

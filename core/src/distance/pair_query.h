@@ -249,8 +249,22 @@ bool lwi_boxes_are_apart( const lw_shape* a, const lw_shape* b, const lw_transfo
 /// Measures one item of a against one of b in double and offers the result. LW_INVALID_INDEX for shapes without items.
 void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b );
 
+// --- distance/items.c ------------------------------------------------------------------------------------------------
+
+/// Corners of an item of a mesh, of boxes, or of balls: 3, 8, or the centre. Returns their count.
+uint32_t lwi_item_corners( const lw_shape* shape, uint32_t item, lw_vec3 out[8] );
+
+/// The corners of a triangle, or three times the centre of a ball.
+void lwi_load_corners( const lw_shape* shape, uint32_t item, lw_vec3 out[3] );
+
 /// A box, cylinder or cone as a convex piece.
 lwi_convex lwi_convex_of_primitive( const lw_shape* shape );
+
+// --- distance/ties.c -------------------------------------------------------------------------------------------------
+
+/// Looks at two items that were measured: are they as near as the nearest two points, elsewhere or along an edge or face?
+/// @param distance of the items @param point_a, point_b their nearest points, a's shape frame
+void lwi_note_tie( lwi_searching* s, double distance, lw_vec3 point_a, lw_vec3 point_b, uint32_t item_a, uint32_t item_b );
 
 // --- distance/shared_feature.c ---------------------------------------------------------------------------------------------------
 

@@ -83,7 +83,10 @@ void lwi_add_point_speeds( const lw_checker* checker, lw_query* query, uint32_t 
 	{
 		const lwi_cluster* at = &tree->clusters[i];
 		const lwi_joint* joint = &robot->joints[robot->link_joint[at->root_link]];
-		carried c = { .child = &query->pose.world_from_link[at->root_link], .n = n, .out = out, .place = checker->base->group.place };
+		carried c = { .child = &query->pose.world_from_link[at->root_link],
+			.n = n,
+			.out = out,
+			.place = checker->base->group.place };
 		c.arm = lwi_sub( p, lwi_load( c.child->t ) );
 		if ( joint->type == LW_JOINT_PLANAR || joint->type == LW_JOINT_FLOATING )
 		{
@@ -125,8 +128,8 @@ void lwi_near_derivatives( const lw_checker* checker, lw_query* query, const lw_
 	lwi_add_point_speeds( checker, query, b, end, pair->clearance.point_b, lwi_scale( -1, pair->normal ), out );
 }
 
-lw_status lw_checker_point_jacobian( const lw_checker* checker, lw_query* query, const double* q, uint32_t link, lw_vec3 point,
-	double* out )
+lw_status lw_checker_point_jacobian( const lw_checker* checker, lw_query* query, const double* q, uint32_t link,
+	lw_vec3 point, double* out )
 {
 	if ( checker == NULL || query == NULL || out == NULL || ( q == NULL && checker->base->group.variable_count > 0 ) ||
 		 link >= lw_robot_link_count( checker->base->robot ) || !isfinite( point.x ) || !isfinite( point.y ) ||

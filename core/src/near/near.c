@@ -128,6 +128,31 @@ static void lower( double* out, double value )
 	*out = value < *out ? value : *out;
 }
 
+/// Metres, relative to the size of both bodies: nearest points that are nearer to each other are the same.
+#define SAME_POINT 1e-7
+
+/// Searches a pair again for other points that are as near.
+static bool is_tied( near_search* s, const lwi_bound* bound, const lw_near_pair* row, lw_vec3 normal )
+{
+	const lw_checker* c = s->checker;
+	const lw_shape *a = c->base->bodies[row->body_a].shape,
+				   *b = row->self ? c->base->bodies[row->body_b].shape : c->scene->shapes[row->body_b].shape;
+	const lw_transform* pose_b =
+		row->self ? &s->query->pose.world_from_body[row->body_b] : &c->scene->shapes[row->body_b].world_from_shape;
+	const lw_transform relative = lwi_relative( &s->query->pose.world_from_body[row->body_a], pose_b );
+	const double distance = lwi_distance( bound->point_a, bound->point_b );
+	lwi_ties ties = { .width = s->def->tie_width,
+		.apart = SAME_POINT * fmin( a->sphere_radius, b->sphere_radius ),
+		.limit = distance + s->def->tie_width,
+		.point_a = bound->point_a,
+		.point_b = bound->point_b,
+		.normal = normal };
+	lwi_bound again = bound_of( s, bound->margin );
+	again.ties = &ties;
+	lwi_search( &s->query->search, a, b, &relative, &again );
+	return ties.found;
+}
+
 /// The row of a finished search, if its pair is near.
 /// @param row with its bodies, links and `self`
 static void take( near_search* s, const lwi_bound* bound, lw_near_pair* row )
@@ -147,8 +172,10 @@ static void take( near_search* s, const lwi_bound* bound, lw_near_pair* row )
 	const double length = lwi_length( between );
 	if ( row->clearance.kind == LW_CLEARANCE_NEAR && length > 0 )
 	{
-		row->direction = LW_DIRECTION_UNIQUE;
-		row->normal = lwi_rotate( pose, lwi_v3( between.x / length, between.y / length, between.z / length ) );
+		const lw_vec3 normal = { between.x / length, between.y / length, between.z / length };
+		const bool tied = s->def->tie_width > 0 && is_tied( s, bound, row, normal );
+		row->direction = tied ? LW_DIRECTION_TIED : LW_DIRECTION_UNIQUE;
+		row->normal = lwi_rotate( pose, normal );
 	}
 	if ( s->def->link_clearance != NULL )
 	{

@@ -68,8 +68,8 @@ typedef struct lwi_query_cache
 	lwi_cached_pair nearest_environment, nearest_self;
 	uint32_t known_pairs[LWI_KNOWN_PAIRS]; ///< of bodies, nearest of the robot's own in states before, the last one first
 	uint32_t known_count;
-	uint32_t known_looked;       ///< bits: those measured first in the current state
-	lwi_backoff* motion_backoff; ///< [links] of tests of clusters' spheres M against the scene
+	uint32_t known_looked;                          ///< bits: those measured first in the current state
+	lwi_backoff* motion_backoff;                    ///< [links] of tests of clusters' spheres M against the scene
 	lwi_cached_pair near[1 << LWI_NEAR_CACHE_BITS]; ///< by a hash: near/near.c
 	uint64_t near_bindings;                         ///< lwi_state_pose::bindings for which they are
 } lwi_query_cache;

@@ -13,8 +13,8 @@ answer. Unusable input raises leeway.Error, which is a ValueError; an error neve
 from ._core import (Checker, CoreError, Error, InputError, Margins, Outcome, Padding, Reach, Robot, Scene, Shape, Verdict, World,
     check_spheres, distance, pairs)
 from ._core import version as __version__
-from .results import Clearances, Distance, GoalStates, LinkSpheres, Motions, Plan
+from .results import Clearances, Direction, Distance, GoalStates, LinkSpheres, Motions, NearPairs, Plan
 
-__all__ = ["Checker", "Clearances", "CoreError", "Distance", "Error", "GoalStates", "InputError", "LinkSpheres", "Margins", "Motions", "Outcome",
+__all__ = ["Checker", "Clearances", "CoreError", "Direction", "Distance", "Error", "GoalStates", "InputError", "LinkSpheres", "Margins", "Motions", "NearPairs", "Outcome",
     "Padding", "Plan", "Reach", "Robot", "Scene", "Shape", "Verdict", "World", "__version__", "check_spheres",
     "distance", "pairs"]

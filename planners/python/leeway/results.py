@@ -2,6 +2,7 @@
 """Results of checks and searches: named tuples of NumPy arrays. Units are metres and radians."""
 from __future__ import annotations
 
+import enum
 from typing import Any, NamedTuple
 
 import numpy
@@ -33,6 +34,43 @@ class Clearances(NamedTuple):
             return f"Clearances({float(self.lower):.6g} <= clearance <= {float(self.upper):.6g} m)"
         least = f", the least {self.lower.min():.6g} to {self.upper.min():.6g} m" if self.lower.size else ""
         return f"Clearances(of {self.lower.size} states{least})"
+
+
+class Direction(enum.IntEnum):
+    """The direction between the nearest points of a pair."""
+    NONE = 0  #: the bodies touch: normal and derivatives are 0
+    UNIQUE = 1  #: with a tie_width, no other points are as near
+    TIED = 2  #: other points are as near, such as of parallel faces: the derivatives are a subgradient
+
+
+class NearPairs(NamedTuple):
+    """Pairs of bodies that are near, in one state or in many: rows of all states behind each other, nearest first in each state."""
+    offsets: Array  #: int64 [n + 1]: rows of state i are offsets[i] to offsets[i + 1]
+    pairs: Array  #: int32 [m, 2]: indices into Checker.names: a link, and a link or an object
+    lower: Array  #: float64 [m]: proved, the pair's clearance is at least this
+    upper: Array  #: float64 [m]: the clearance of the witnesses
+    normals: Array  #: float64 [m, 3]: unit, world, from the second body to the first one: the way out
+    witnesses: Array  #: float64 [m, 2, 3]: the nearest point of each body, in the world
+    directions: Array  #: uint8 [m]: Direction
+    derivatives: Array | None  #: float64 [m, dof]: of the clearance by each variable; None if not wanted
+    bodies: Array  #: int32 [m, 2]: robot body; body or scene shape
+    links: Array  #: float64 [n, links] or [links]: proved lower bound of each link's clearances, at most the distance asked
+
+    def rows(self, state: int) -> slice:
+        """The rows of one state."""
+        return slice(int(self.offsets[state]), int(self.offsets[state + 1]))
+
+    def barrier(self, min_d: float, gain: float, state: int = 0) -> tuple[Array, Array]:
+        """(G, h) of a control barrier: velocities with G @ velocity <= h let no clearance fall towards min_d faster than
+        gain times (clearance - min_d) per second. G: float64 [rows, dof]; h: float64 [rows], below 0 for pairs nearer than min_d."""
+        if self.derivatives is None:
+            raise ValueError("barrier(): near() was called with derivatives=False")
+        part = self.rows(state)
+        return -self.derivatives[part], gain * (self.lower[part] - min_d)
+
+    def __repr__(self) -> str:
+        least = f", the nearest {self.upper.min():.6g} m" if self.upper.size else ""
+        return f"NearPairs({self.upper.size} of {len(self.offsets) - 1} states{least})"
 
 
 class Motions(NamedTuple):

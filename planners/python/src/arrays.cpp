@@ -272,6 +272,7 @@ template <typename T> NewArray<T>::NewArray( std::initializer_list<std::size_t> 
 
 template struct NewArray<double>;
 template struct NewArray<std::int32_t>;
+template struct NewArray<std::int64_t>;
 template struct NewArray<std::uint8_t>;
 template struct NewArray<bool>;
 

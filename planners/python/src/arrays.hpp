@@ -86,7 +86,7 @@ lw_transform poseOrIdentity( const nb::object& pose, const char* name );
 /// Writes the 4 x 4 matrix of a transform.
 void writePose( const lw_transform& transform, double* out );
 
-/// A new NumPy array that owns its memory. T: double, std::int32_t, std::uint8_t or bool.
+/// A new NumPy array that owns its memory. T: double, std::int32_t, std::int64_t, std::uint8_t or bool.
 template <typename T> struct NewArray
 {
 	explicit NewArray( std::initializer_list<std::size_t> shape );

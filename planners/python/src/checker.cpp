@@ -462,6 +462,7 @@ void bindCheckers( nb::module_& module )
 	    "for notices. max_d: metres, the largest clearance of interest; it changes no answer.\nRaises InputError." );
 	bindProperties( type );
 	bindStates( type );
+	bindNear( type );
 	bindMotions( type );
 	bindAudits( module, type );
 	bindGoals( type );

@@ -114,6 +114,9 @@ void bindRobots( nb::module_& module );
 void bindScenes( nb::module_& module );
 void bindCheckers( nb::module_& module );
 void bindStates( nb::class_<PyChecker>& type );
+/// Raises the error of row i of states that the library refused. @throws CoreError
+[[noreturn]] void failState( lw_status status, const Rows& rows, std::size_t i );
+void bindNear( nb::class_<PyChecker>& type );
 void bindMotions( nb::class_<PyChecker>& type );
 /// Arrays as a trajectory of the checker's variables. @throws nb::value_error
 motions::TrajectoryFile trajectoryOf( const PyChecker& checker, const Doubles& times, const nb::object& positions,

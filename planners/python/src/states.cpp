@@ -19,19 +19,6 @@ using namespace nb::literals;
 
 constexpr std::size_t block_of_states = 256;
 
-[[noreturn]] void failState( lw_status status, const Rows& rows, std::size_t i )
-{
-	std::string text = "q[" + std::to_string( i ) + "]: " + lw_status_name( status );
-	for ( std::size_t v = 0; v < rows.width; ++v )
-	{
-		if ( !std::isfinite( rows[i][v] ) )
-		{
-			text = "q[" + std::to_string( i ) + "]: entry " + std::to_string( v ) + " is not finite; correct the state";
-		}
-	}
-	throw CoreError( status, text );
-}
-
 void writePoint( lw_vec3 p, bool valid, double* out )
 {
 	constexpr double none = std::numeric_limits<double>::quiet_NaN();
@@ -142,6 +129,19 @@ nb::object isFree( const PyChecker& checker, const Doubles& q, double min_d, con
 }
 
 } // namespace
+
+void failState( lw_status status, const Rows& rows, std::size_t i )
+{
+	std::string text = "q[" + std::to_string( i ) + "]: " + lw_status_name( status );
+	for ( std::size_t v = 0; v < rows.width; ++v )
+	{
+		if ( !std::isfinite( rows[i][v] ) )
+		{
+			text = "q[" + std::to_string( i ) + "]: entry " + std::to_string( v ) + " is not finite; correct the state";
+		}
+	}
+	throw CoreError( status, text );
+}
 
 void bindStates( nb::class_<PyChecker>& type )
 {

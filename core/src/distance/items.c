@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The original geometry of items: corners of triangles and boxes, centres of balls; primitives as convex pieces.
+#include "distance/pair_query.h"
+
+void lwi_load_corners( const lw_shape* shape, uint32_t item, lw_vec3 out[3] )
+{
+	for ( int i = 0; i < 3; ++i )
+	{
+		size_t vertex = shape->indices != NULL ? shape->indices[3 * (size_t)item + (size_t)i] : item;
+		out[i] = lwi_load( shape->vertices + 3 * vertex );
+	}
+}
+
+uint32_t lwi_item_corners( const lw_shape* shape, uint32_t item, lw_vec3 out[8] )
+{
+	if ( shape->family == LWI_BOXES )
+	{
+		for ( uint32_t i = 0; i < 8; ++i )
+		{
+			out[i] = lwi_hull_point( shape, 8 * (size_t)item + i );
+		}
+		return 8;
+	}
+	lwi_load_corners( shape, item, out );
+	return shape->family == LWI_BALLS ? 1 : 3;
+}
+
+lwi_convex lwi_convex_of_primitive( const lw_shape* shape )
+{
+	lwi_convex convex = { .type = LWI_CONVEX_BOX };
+	if ( shape->family == LWI_UNBOUNDED )
+	{
+		return convex; // no size
+	}
+	if ( shape->type == LW_SHAPE_BOX )
+	{
+		for ( int i = 0; i < 3; ++i )
+		{
+			convex.size[i] = 0.5 * shape->dimensions[i];
+		}
+		return convex;
+	}
+	convex.type = shape->type == LW_SHAPE_CYLINDER ? LWI_CONVEX_CYLINDER : LWI_CONVEX_CONE;
+	convex.size[0] = shape->dimensions[0];
+	convex.size[1] = 0.5 * shape->dimensions[1];
+	return convex;
+}
