@@ -183,4 +183,74 @@ TEST( Proofs, TheSearchForACostDoesNotMeasureSelfClearances )
 	EXPECT_EQ( rig.engine->counters().cost_edges - before.cost_edges, 1u );
 }
 
+// ---- last valid states ----
+//
+// A proof halves 1,024 windows of pairs within the slack. The run up to a last valid state uses all of them here; as a motion of
+// its own it has other windows, and may need more.
+
+/// A turntable with arms of 1 m above each other; each passes a pin at angle 0 at a hair's breadth.
+leeway::Checker pinWorld( int count, double gap )
+{
+	std::vector<Segment> chain = { hinge( "turn", LW_JOINT_REVOLUTE, 0, 1, -3, 3 ) };
+	std::vector<Obstacle> pins;
+	for ( int i = 0; i < count; ++i )
+	{
+		if ( i > 0 )
+		{
+			chain.push_back( hinge( "layer", LW_JOINT_FIXED, 0, 1 ) );
+			chain.back().name += std::to_string( i );
+			chain.back().joint.parent_from_joint = at( 0, 0, 0.2 );
+		}
+		pins.push_back( { makeBall( 0.01 ), at( 1.04 + gap, 0, 0.2 * i ) } );
+	}
+	return makeChecker( chain, pins );
+}
+
+struct Interval
+{
+	double low, high;
+};
+
+/// Drives the arms past the pins, and expects that the motions to and from the last valid states are valid.
+/// @param count of the arms
+/// @param start radians, before the pins if negative
+void expectLastValidBothWays( int trials, Interval count, Interval start )
+{
+	SeededRng rng;
+	int undecided = 0;
+	for ( int i = 0; i < trials; ++i )
+	{
+		const double gap = std::pow( 10, rng.uniform( -6.6, -6.4 ) );
+		const Rig rig( pinWorld( rng.integer( int( count.low ), int( count.high ) ), gap ) );
+		const ob::ScopedState<> s1 = stateOf( rig, { rng.uniform( start.low, start.high ) } );
+		const ob::ScopedState<> s2 = stateOf( rig, { rng.uniform( 1, 2.8 ) } );
+		ob::ScopedState<> last( rig.space );
+		std::pair<ob::State*, double> last_valid( last.get(), 1 );
+		if ( !rig.si->checkMotion( s1.get(), s2.get(), last_valid ) )
+		{
+			undecided += last_valid.second > 0;
+			ASSERT_TRUE( rig.si->checkMotion( s1.get(), last.get() ) ) << gap << ", " << s1[0] << " to " << last[0];
+			ASSERT_TRUE( rig.si->checkMotion( last.get(), s1.get() ) ) << gap << ", " << last[0] << " to " << s1[0];
+		}
+	}
+	EXPECT_GT( undecided, trials / 2 ) << "the test has lost its point";
+}
+
+TEST( Proofs, TheMotionToALastValidStateWithinTheSlackIsNotProved )
+{
+	expectLastValidBothWays( 80, { 34, 47 }, { -1e-5, 1e-5 } );
+}
+
+TEST( Proofs, TheRunToALastValidStateGoesIntoTheSlack )
+{
+	// 1 to 2 mm from the pins at first
+	expectLastValidBothWays( 100, { 90, 150 }, { -0.011, -0.0093 } );
+}
+
+TEST( Proofs, TheMotionBackFromALastValidStateIsNotProved )
+{
+	// with 64 arms, in a tenth of these scenes the first candidate can be reached but not left
+	expectLastValidBothWays( 80, { 64, 64 }, { -0.0009, -0.0007 } );
+}
+
 } // namespace
