@@ -145,9 +145,12 @@ TEST( Proofs, TheClearanceBetweenTwoCloseRotationsForgetsACurve )
 	{
 		const double clearance = rng.uniform( 0.008, 0.012 ), away = clearance + 0.001;
 		const Rig rig( boomWorld( 0.0005, 100, i % 2 == 0 ? 0.005 + away : -0.003 - away ), options );
-		const double cost = costOf( rig, from, to, 0.3 );
-		ASSERT_LE( cost, clearance + 1e-7 ) << i;
-		ASSERT_GE( cost, clearance / 1.3 - 1e-6 ) << i;
+		for ( const double tolerance : { 0.3, 0.03, 0.01 } )
+		{
+			const double cost = costOf( rig, from, to, tolerance );
+			ASSERT_LE( cost, clearance + 1e-7 ) << i << " " << tolerance;
+			ASSERT_GE( cost, clearance / ( 1 + tolerance ) - 1e-6 ) << i << " " << tolerance;
+		}
 	}
 }
 
