@@ -90,6 +90,23 @@ TEST_F( CliSteps, GroupsTakeTurns )
 	EXPECT_EQ( audit( reach + turn, { "--tolerance", "knee=0.001" } ).status, 2 );
 }
 
+// Until its group moves it, the elbow stands where that motion begins: the arm passes the post with the elbow folded, not stretched.
+TEST_F( CliSteps, AJointStandsWhereItsLaterMotionEnds )
+{
+	write( "stretched.csv", "time,shoulder,elbow\n0,1,0\n3,1,2.5\n" );
+	write( "folded.csv", "time,shoulder,elbow\n0,1,2.5\n3,1,0\n" );
+	for ( const bool folded : { false, true } )
+	{
+		write( "steps.yaml", std::string( "steps:\n- trajectory: turn.csv\n- trajectory: " ) +
+		                         ( folded ? "folded.csv\n" : "stretched.csv\n" ) );
+		const Outcome outcome = runModel( "audit", { "--steps", "steps.yaml", "--report", "report.json" }, "blocked.yaml" );
+		ASSERT_NE( outcome.status, 2 ) << outcome.err;
+		const nlohmann::json steps = nlohmann::json::parse( readFile( path( "report.json" ) ) )["steps"];
+		EXPECT_EQ( steps[0]["verdict"], folded ? "FREE" : "BLOCKED" ) << outcome.out;
+		EXPECT_EQ( steps[1]["verdict"], "FREE" ) << outcome.out;
+	}
+}
+
 TEST_F( CliSteps, JumpsBetweenStepsAreTold )
 {
 	const Outcome outcome = audit( back + "- trajectory: swing.csv\n" );
