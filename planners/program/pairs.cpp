@@ -242,7 +242,7 @@ int runPairs( const PairsOptions& options )
 	OutputFile out( "--out", options.out ), json_file( "--json", options.json );
 	ViewFile view( options.view );
 	CommonOptions common = options.common;
-	common.strict = common.strict || common.srdf.empty(); // the table is about all pairs
+	common.all_pairs = common.srdf.empty();
 	const Input input = loadInput( common, notices );
 	Analysis analysis = analysed( options, input.robot, notices );
 	PairTable& table = analysis.table;

@@ -122,7 +122,7 @@ void checkWithoutSrdf( const CommonOptions& options, const io::RobotModel& robot
 		throw io::Error( "command line", "--group", fmt::format( "'{}' needs an SRDF that defines it", options.group ),
 		    "add --srdf FILE, or leave it out: then all joints can move" );
 	}
-	if ( options.strict )
+	if ( options.strict && !options.all_pairs )
 	{
 		notices.add( "the robot",
 		    { { options.robot, "no SRDF",
@@ -140,7 +140,7 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 	load.package_paths = options.package_paths;
 	load.cache = options.cache;
 	load.use_visual = options.visual;
-	load.strict = options.strict;
+	load.strict = options.strict || options.all_pairs;
 	load.detail = 1e-3 * options.detail;
 	load.cache_limit = static_cast<std::uint64_t>( options.cache_limit * 1e6 );
 	for ( const auto& [option, file] : { std::pair( "--robot", &options.robot ), std::pair( "--srdf", &options.srdf ),

@@ -139,7 +139,7 @@ int runSpherize( const SpherizeOptions& options )
 	OutputFolder folder( options.out );
 	ViewFile view( options.view );
 	CommonOptions common = options.common;
-	common.strict = common.strict || common.srdf.empty(); // the table is about all pairs
+	common.all_pairs = common.srdf.empty();
 	const Input input = loadInput( common, notices );
 	const std::string stem = ( fs::path( options.out ) / fs::path( options.common.robot ).stem() ).string() + "_spheres";
 	OutputFile urdf( "--out", stem + ".urdf" ), srdf( "--out", stem + ".srdf" ), yaml( "--out", stem + ".yml" ),

@@ -2,6 +2,8 @@
 // MJCF: poses of bodies, joints, defaults, frames and replicas, computed by hand.
 #include "mjcf/mjcf_files.hpp"
 
+#include "leeway/io/spheres.hpp"
+
 using namespace leeway::io;
 
 namespace
@@ -211,4 +213,42 @@ TEST_F( MjcfTest, NamesThatAreMissingAreMade )
 	EXPECT_EQ( model.links.at( 1 ).name, "body1_" );
 	EXPECT_EQ(
 	    model.useGroup( "all" ).joints, ( std::vector<std::string>{ "body1_/joint", "body1/joint", "body1/joint_" } ) );
+}
+
+TEST_F( MjcfTest, TheUrdfOfItsSpheresMovesOtherwise )
+{
+	const RobotModel model = load(
+	    "<worldbody><body name=\"base\" pos=\"0 0 1\" euler=\"0 90 0\">" + ball +
+	    "<body name=\"a\" pos=\"1 2 3\" euler=\"30 -40 70\"><joint name=\"h\" axis=\"1 2 3\" pos=\"0 1 0\" range=\"-90 60\"/>" +
+	    ball + "<body name=\"b\" pos=\"0 0 1\"><joint name=\"s\" type=\"slide\" axis=\"0 1 1\"/>" + ball +
+	    "<body name=\"c\" pos=\"0.1 0 0\"><joint name=\"m\" axis=\"0 0 1\" range=\"-90 90\"/>" + ball +
+	    "</body></body></body></body>" + "<body name=\"free\" pos=\"5 0 0\"><freejoint name=\"f\"/>" + ball +
+	    "</body></worldbody>" + "<equality><joint joint1=\"m\" joint2=\"h\" polycoef=\"0.1 0.5 0 0 0\"/></equality>" );
+	SpherizeOptions how;
+	how.excess = 0.02;
+	const RobotModel again =
+	    loadRobot( write( "spheres.urdf", writeSpheresUrdf( model, spherize( model, how ) ) ), "", strict() );
+	EXPECT_EQ( model.root_link, again.root_link );
+	const std::map<std::string, double> values = {
+	    { "h", 0.7 }, { "s", 20 }, { "f/trans_x", 2 }, { "f/rot_x", 0.6 }, { "f/rot_w", 0.8 } };
+	const std::map<std::string, lw_transform> expected = poses( model, values ), found = poses( again, values );
+	ASSERT_EQ( expected.size(), found.size() );
+	for ( const auto& [link, pose] : expected )
+	{
+		for ( int i = 0; i < 3; ++i )
+		{
+			EXPECT_NEAR( pose.t[i], found.at( link ).t[i], 1e-12 ) << link;
+			for ( int k = 0; k < 3; ++k )
+			{
+				EXPECT_NEAR( pose.r[i][k], found.at( link ).r[i][k], 1e-12 ) << link;
+			}
+		}
+	}
+	for ( const JointModel& joint : model.joints )
+	{
+		const JointModel& other = jointOf( again, joint.name );
+		EXPECT_EQ( joint.type, other.type ) << joint.name;
+		EXPECT_NEAR( std::max( -1e9, joint.lower ), other.lower, 1e-12 ) << joint.name;
+		EXPECT_NEAR( std::min( 1e9, joint.upper ), other.upper, 1e-12 ) << joint.name;
+	}
 }

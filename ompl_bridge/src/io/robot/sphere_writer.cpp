@@ -3,6 +3,7 @@
 #include "leeway/io/spheres.hpp"
 
 #include "base/xml.hpp"
+#include "robot/urdf_writer.hpp"
 
 #include <fmt/format.h>
 
@@ -52,8 +53,11 @@ void removeAll( XMLElement& parent, const char* name )
 std::string writeSpheresUrdf( const RobotModel& model, const std::vector<LinkSpheres>& links )
 {
 	detail::XmlFile file( model.urdf_file );
-	file.requireRobot( "URDF" );
 	tinyxml2::XMLDocument& xml = file.document();
+	if ( !detail::isPlainUrdf( file ) )
+	{
+		detail::describe( model, xml );
+	}
 	for ( XMLElement* link = xml.RootElement()->FirstChildElement( "link" ); link != nullptr;
 	      link = link->NextSiblingElement( "link" ) )
 	{
