@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import enum
+import os
+import pathlib
 from typing import Any, NamedTuple
 
 import numpy
 
-from ._core import Outcome, Verdict
+from ._core import Checker, Outcome, Verdict
 
 Array = numpy.ndarray
 
@@ -125,10 +127,20 @@ class Plan(NamedTuple):
     message: str  #: reasons without a path; empty if SOLVED
     statistics: dict[str, Any]
     improvements: Array  #: float64 [k, 2]: seconds and length, with optimize_seconds
+    min_d: float = 0.0  #: metres: every edge keeps more
+    slack: float = 0.001  #: metres
 
     @property
     def solved(self) -> bool:
         return self.outcome == Outcome.SOLVED
+
+    def save(self, checker: Checker, file: str | os.PathLike[str]) -> None:
+        """Writes the path as `leeway plan --out` does, for `leeway audit --path` and `leeway view --path`. The checker audits it first;
+        ValueError if there is no path or it is not valid in this checker's world."""
+        if self.path is None:
+            raise ValueError(f"save(): the plan has no path: {self.outcome.name}")
+        text = checker.path_text(self.path, min_d=self.min_d, slack=self.slack, seed=self.seed)
+        pathlib.Path(file).write_text(text, encoding="utf-8")
 
     def __repr__(self) -> str:
         states = f"{len(self.path)} states, length {self.length:.4g}" if self.path is not None else self.message.strip().split("\n")[0]

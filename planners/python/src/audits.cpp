@@ -7,6 +7,8 @@
 #include "tune/report.hpp"
 
 #include "leeway/motions/motion_files.hpp"
+#include "leeway/motions/path_file.hpp"
+#include "leeway/motions/states.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -140,6 +142,53 @@ nb::object auditPath( const PyChecker& checker, const nb::object& given, const s
 		audit = motions::auditPath( *checker.problem, path.points, settings, path.file );
 	}
 	return dictOf( toJson( audit, settings ), path.notices );
+}
+
+/// The text of a path file. @throws nb::value_error if the audit finds the path invalid
+std::string pathText( const PyChecker& checker, const Doubles& given, double min_d, double slack, const Whole& seed,
+    const std::string& planner )
+{
+	const Rows rows = rowsOf( given, checker.variables(), "path", "variables of the group" );
+	motions::PathFile file;
+	file.seed = seed.seed();
+	for ( std::size_t i = 0; i < rows.count; ++i )
+	{
+		file.points.emplace_back( rows[i], rows[i] + rows.width );
+	}
+	if ( file.points.empty() )
+	{
+		throw nb::value_error( "path: has no state" );
+	}
+	motions::AuditSettings settings;
+	settings.min_d = min_d;
+	settings.progress = interruptible();
+	motions::Audit audit;
+	{
+		const nb::gil_scoped_release unlocked;
+		audit = motions::auditPath( *checker.problem, file.points, settings, "path" );
+	}
+	if ( !audit.valid )
+	{
+		const std::string text = "path: is not saved, its audit finds: " + audit.problems.front();
+		throw nb::value_error( text.c_str() );
+	}
+	const lw_robot* robot = lw_checker_robot( checker.get() );
+	file.robot = checker.model->name;
+	file.group = checker.problem->group;
+	file.planner = planner;
+	file.validator = "certified";
+	file.min_d = min_d;
+	file.slack = slack;
+	file.length = audit.length;
+	file.environment = audit.environment.clearance.lower;
+	file.self = audit.self.clearance.lower;
+	const std::vector<double> full = motions::fullState( *checker.problem, file.points.front() );
+	for ( std::uint32_t i = 0; i < full.size(); ++i )
+	{
+		file.start_state.emplace_back( io::variableName( robot, i ), full[i] );
+	}
+	file.joint_names = checker.problem->variable_names;
+	return motions::writePath( file );
 }
 
 nb::object auditRoundings( const PyChecker& checker, const nb::object& given, double radius,
@@ -352,6 +401,13 @@ void bindAudits( nb::module_& module, nb::class_<PyChecker>& type )
 	    "two states. seconds: then it ends, and the path is not valid. Returns the program's report: valid, problems, states, length, and\n"
 	    "of environment and self the least clearance with its pair and place, also between the states; profile in hundredths; notices, lines: what\n"
 	    "was read and has no say." );
+	type.def( "path_text", &pathText, "path"_a, nb::kw_only(), "min_d"_a = 0.0, "slack"_a = slack, "seed"_a = 0,
+	    "planner"_a = "Leeway",
+	    nb::sig(
+	        "def path_text(self, path: numpy.typing.ArrayLike, *, min_d: float = 0.0, slack: float = 0.001, seed: int = 0, "
+	        "planner: str = 'Leeway') -> str" ),
+	    "The text of a path file, as `leeway plan --out` writes it, which `leeway audit --path` and `leeway view --path` read.\n\n"
+	    "path: float64 [n, dof]. min_d, slack, seed, planner: what is written about it. Raises ValueError if an audit finds it invalid." );
 	type.def( "audit_roundings", &auditRoundings, "path"_a, "radius"_a, nb::kw_only(), "min_d"_a = nb::none(),
 	    "slack"_a = slack, "check"_a = "both", "tolerance"_a = nb::none(),
 	    nb::sig(

@@ -68,7 +68,7 @@ nb::dict statisticsOf( const lw_plan_result& r )
 	return out;
 }
 
-nb::object resultOf( const lw_plan_result& r )
+nb::object resultOf( const lw_plan_result& r, double min_d, double slack )
 {
 	nb::object states = nb::none();
 	if ( r.states != nullptr )
@@ -80,7 +80,7 @@ nb::object resultOf( const lw_plan_result& r )
 	const NewArray<double> improvements( { r.improvement_count, 2 } );
 	std::copy( r.improvements, r.improvements + std::size_t( r.improvement_count ) * 2, improvements.data );
 	return result( "Plan", nb::make_tuple( nb::cast( r.outcome ), states, r.length, r.raw_length, r.seconds, r.seed,
-	                           nb::str( r.message ), statisticsOf( r ), improvements.object ) );
+	                           nb::str( r.message ), statisticsOf( r ), improvements.object, min_d, slack ) );
 }
 
 /// Numbers that plan() and lw_plan_def share.
@@ -128,7 +128,7 @@ nb::object plan( const PyChecker& checker, const Doubles& start, const Doubles& 
 	PlanGuard guard;
 	lw_diag diag{};
 	require( planInterruptibly( def, diag, guard.result ), diag );
-	return resultOf( guard.result );
+	return resultOf( guard.result, n.min_d, n.slack );
 }
 
 } // namespace

@@ -302,6 +302,32 @@ std::string writeSrdf(
 	return io::writeSrdf( *robot.model, disabled ).text;
 }
 
+/// The robot with more pairs of links that may touch.
+PyRobot withAllowed( const PyRobot& robot, const std::vector<std::pair<std::string, std::string>>& pairs )
+{
+	io::RobotModel model = *robot.model;
+	for ( const auto& [a, b] : pairs )
+	{
+		for ( const std::string& name : { a, b } )
+		{
+			if ( lw_robot_find_link( robot.robot.get(), name.c_str() ) == LW_INVALID_INDEX )
+			{
+				const std::string text =
+				    "allowed(): robot " + model.name + " has no link '" + name + "'; Robot.links lists them";
+				throw nb::value_error( text.c_str() );
+			}
+		}
+		if ( a == b )
+		{
+			const std::string text = "allowed(): link '" + a + "' is paired with itself; give two links";
+			throw nb::value_error( text.c_str() );
+		}
+		model.disabled.push_back( { a, b, "User" } );
+	}
+	const nb::gil_scoped_release unlocked;
+	return PyRobot( std::move( model ) );
+}
+
 std::string robotRepr( const PyRobot& robot )
 {
 	std::uint64_t triangles = 0;
@@ -370,6 +396,8 @@ void bindFunctions( nb::class_<PyRobot>& type )
 	             "threads: int = 0) -> dict[str, leeway.results.LinkSpheres]" ),
 	    "Few spheres around each link, proved to enclose it: (spheres float64 [n, 4], excess in metres, encloses) by link. Give the\n"
 	    "excess in metres that a sphere may extend beyond its link, or the largest count of the whole robot." );
+	type.def( "allowed", &withAllowed, "pairs"_a,
+	    "A robot in which these pairs of links may touch too. pairs: [(link, link), ...]. This one stays as it is." );
 	type.def( "srdf", &writeSrdf, "pairs"_a, "reason"_a = "Never",
 	    "Text of the SRDF with its computed disabled pairs replaced by `pairs`; decisions of its author stay." );
 	type.def( "__repr__", &robotRepr );

@@ -225,3 +225,17 @@ def test_bad_requests_are_refused(standing, robot, tmp_path):
         standing.audit_trajectory([0, 1])
     with pytest.raises(leeway.CoreError):
         standing.audit_roundings([HOME, LEFT], -1)
+
+
+def test_a_saved_plan_is_audited_as_it_was(program, standing, tmp_path):
+    plan = standing.plan([0.9, 0.9, 0.9, 0.0], [-0.9, 0.9, 0.9, 0.0], min_d=0.001, seconds=5)
+    assert plan.solved and plan.min_d == 0.001
+    file = tmp_path / "path.yaml"
+    plan.save(standing, file)
+    report = program("audit", [*SCENE, "--path", file])["audit"]
+    assert report["valid"] and report["min_d"] == 0.001
+    assert without_clocks(report) == without_clocks(standing.audit(file))
+    with pytest.raises(ValueError, match="its audit finds"):
+        standing.path_text(PATHS["through things"])
+    with pytest.raises(ValueError, match="has no path"):
+        plan._replace(path=None, outcome=leeway.Outcome.TIMED_OUT).save(standing, file)

@@ -202,3 +202,15 @@ def test_reach_lists_every_pair(robot):
     reach = leeway.Reach(robot, seconds=0.2)
     assert len(reach.pairs) == 7 * 6 // 2 and {kind for _, _, kind in reach.pairs} >= {"adjacent"}
     assert reach.info["pairs"] > 0 and "proved apart" in repr(reach)
+
+
+def test_pairs_that_are_allowed_are_checked_no_more():
+    robot = ball_robot()
+    touching = numpy.zeros(6)
+    assert not leeway.Checker(robot).is_free(touching)
+    looser = robot.allowed([("left", "right")])
+    assert leeway.Checker(looser).is_free(touching) and ("left", "right") in looser.disabled_pairs
+    assert not leeway.Checker(robot).is_free(touching), "the robot itself changed"
+    for pairs, words in (([("left", "middle")], "no link 'middle'"), ([("left", "left")], "paired with itself")):
+        with pytest.raises(ValueError, match=words):
+            robot.allowed(pairs)
