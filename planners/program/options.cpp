@@ -122,7 +122,7 @@ lw_check_flags CommonOptions::checkFlags() const
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs )
 {
 	const std::string model = "Model";
-	CLI::Option* robot = app.add_option( "--robot", options.robot, "robot description: URDF, MJCF or xacro" )
+	CLI::Option* robot = app.add_option( "--robot", options.robot, "robot description: URDF, MJCF, xacro or SDF" )
 	                         ->type_name( "R.urdf" )
 	                         ->group( model );
 	if ( needs.robot )

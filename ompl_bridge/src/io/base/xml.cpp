@@ -90,7 +90,9 @@ void refuseUsd( const std::string& file, const std::string& content )
 	                                            : nullptr;
 	if ( kind != nullptr )
 	{
-		throw Error( file, "", kind, "export it as a URDF or MJCF, with the program that made it" );
+		throw Error( file, "", kind,
+		    "export it as a URDF or MJCF, with the program that made it, or convert it by Python: leeway.usd.to_urdf( FILE, FOLDER ); in "
+		    "Python, leeway.usd.load( FILE ) reads it" );
 	}
 }
 
