@@ -127,6 +127,9 @@ TEST_F( Xacro, WrongOutputIsLocatedInTheExpandedText )
 	    << outcome.err;
 	setenv( "LEEWAY_XACRO", program( "expand", "exit 0\n" ).c_str(), 1 );
 	EXPECT_EQ( info( "arm.urdf.xacro" ).status, 2 ) << "no output at all";
+	setenv( "LEEWAY_XACRO", program( "expand", "echo '<robot name=\"r\"/>'\n" ).c_str(), 1 );
+	EXPECT_TRUE(
+	    contains( info( "arm.urdf.xacro" ).err, "has no link: it may define macros only; name the file that uses them" ) );
 }
 
 TEST_F( Xacro, OneThatNeverStopsIsStopped )

@@ -79,7 +79,12 @@ RobotModel readFileOrExpanded( std::unique_ptr<detail::XmlFile> xml, const LoadO
 	ExpandedRobot expanded = options.expand_xacro( file );
 	try
 	{
-		RobotModel model = detail::readRobot( std::make_unique<detail::XmlFile>( file, expanded.text ), options );
+		auto urdf = std::make_unique<detail::XmlFile>( file, expanded.text );
+		if ( detail::hasRoot( *urdf, "robot" ) && urdf->root().FirstChildElement( "link" ) == nullptr )
+		{
+			throw Error( file, "<robot>", "has no link: it may define macros only", "name the file that uses them" );
+		}
+		RobotModel model = detail::readRobot( std::move( urdf ), options );
 		model.expanded_urdf = std::move( expanded.text );
 		for ( Notice& notice : model.report.notices )
 		{

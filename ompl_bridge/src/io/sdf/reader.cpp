@@ -23,7 +23,8 @@ namespace
 using ::ignition::math::Vector3d;
 
 const char* const world_name = "world"; // SDF reserves it
-constexpr double no_limit = 1e15;       // libsdformat's own infinity is 1e16
+constexpr double half_turn = 3.14159265358979323846;
+constexpr double no_limit = 1e15; // libsdformat's own infinity is 1e16
 
 /// The first few errors of libsdformat.
 std::string wordsOf( const ::sdf::Errors& errors )
@@ -91,7 +92,8 @@ private:
 	void addModel( const ::sdf::Model& model, const std::string& scope, const Pose3d& pose, bool is_static );
 	void addLink( const ::sdf::Link& link, const std::string& name, const Pose3d& pose );
 	void addJoint( const GivenJoint& given );
-	void addMoving( const GivenJoint& given, const std::string& name, JointModel base, const Pose3d& joint_from_child );
+	std::vector<JointModel> partsOf( const GivenJoint& given, const std::string& name );
+	void addMoving( const std::vector<JointModel>& parts, JointModel place, const Pose3d& joint_from_child );
 	void setAxis( const GivenJoint& given, unsigned index, const std::string& what, JointModel& joint ) const;
 	void append( JointModel joint, const std::string& child );
 	void holdTheRest();
@@ -106,6 +108,7 @@ private:
 	std::vector<GivenJoint> m_joints;
 	std::map<std::string, std::size_t> m_above; ///< joint of the robot above each link
 	std::vector<std::string> m_static, m_planes;
+	std::vector<std::string> m_loops; ///< joints whose child has one already
 };
 
 void Reader::load( ::sdf::Root& root )
@@ -115,7 +118,11 @@ void Reader::load( ::sdf::Root& root )
 	config.SetFindCallback( [&]( const std::string& uri ) { return findModel( uri, m_file, m_options ); } );
 	config.SetWarningsPolicy( ::sdf::EnforcementPolicy::LOG );
 	config.SetUnrecognizedElementsPolicy( ::sdf::EnforcementPolicy::LOG );
-	const ::sdf::Errors errors = root.Load( m_file, config );
+	::sdf::Errors errors = root.Load( m_file, config );
+	errors.erase(
+	    std::remove_if( errors.begin(), errors.end(), // no pose or shape depends on these; a notice tells them below
+	        []( const ::sdf::Error& error ) { return error.Code() == ::sdf::ErrorCode::LINK_INERTIA_INVALID; } ),
+	    errors.end() );
 	if ( !errors.empty() )
 	{
 		throw Error(
@@ -227,36 +234,66 @@ void Reader::setAxis( const GivenJoint& given, unsigned index, const std::string
 	joint.velocity = velocity > 0 && velocity < no_limit ? velocity : 0;
 }
 
-/// One joint of the robot for each axis, with links between them that have no geometry.
-void Reader::addMoving( const GivenJoint& given, const std::string& name, JointModel base, const Pose3d& joint_from_child )
+/// The joints of the robot that a joint of SDF is, without their places.
+std::vector<JointModel> Reader::partsOf( const GivenJoint& given, const std::string& name )
 {
-	const std::string child = base.child;
-	const bool two =
-	    given.joint->Type() == ::sdf::JointType::REVOLUTE2 || given.joint->Type() == ::sdf::JointType::UNIVERSAL;
+	const ::sdf::JointType type = given.joint->Type();
+	std::vector<JointModel> parts;
+	if ( type == ::sdf::JointType::BALL ) // every turn is one about x, y and z, as with MJCF
+	{
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			JointModel part;
+			part.name = name + "_" + "xyz"[axis];
+			part.axis[0] = 0;
+			part.axis[axis] = 1;
+			part.type = axis == 1 ? LW_JOINT_REVOLUTE : LW_JOINT_CONTINUOUS;
+			part.lower = axis == 1 ? -half_turn / 2 : 0;
+			part.upper = axis == 1 ? half_turn / 2 : 0;
+			parts.push_back( part );
+		}
+		m_robot.report.notices.push_back( { m_file, "joint " + name, "a ball joint is three hinges, about x, y and z" } );
+		return parts;
+	}
+	const bool two = type == ::sdf::JointType::REVOLUTE2 || type == ::sdf::JointType::UNIVERSAL;
+	for ( unsigned index = 0; index < ( two ? 2u : 1u ); ++index )
+	{
+		JointModel part;
+		part.name = two ? fmt::format( "{}/{}", name, index + 1 ) : name;
+		setAxis( given, index, "joint " + part.name, part );
+		parts.push_back( part );
+	}
+	return parts;
+}
+
+/// One joint after the other, with links between them that have no geometry.
+void Reader::addMoving( const std::vector<JointModel>& parts, JointModel place, const Pose3d& joint_from_child )
+{
+	const std::string name = place.name, child = place.child;
 	const lw_transform rest = transformOf( joint_from_child );
 	const lw_transform same = lw_transform_identity();
 	const bool apart = std::memcmp( &rest, &same, sizeof( rest ) ) != 0;
-	for ( unsigned index = 0; index < ( two ? 2u : 1u ); ++index )
+	for ( const JointModel& part : parts )
 	{
-		JointModel joint = base;
-		joint.name = two ? fmt::format( "{}/{}", name, index + 1 ) : name;
-		setAxis( given, index, "joint " + joint.name, joint );
-		const bool last = ( !two || index == 1 ) && !apart;
+		JointModel joint = part;
+		joint.parent = place.parent;
+		joint.parent_from_joint = place.parent_from_joint;
+		const bool last = &part == &parts.back() && !apart;
 		LinkModel between;
-		between.name = joint.name + "/moved";
+		between.name = part.name + "/moved";
 		append( joint, last ? child : between.name );
 		if ( !last )
 		{
 			m_robot.links.push_back( between );
-			base.parent = between.name;
-			base.parent_from_joint = same;
+			place.parent = between.name;
+			place.parent_from_joint = same;
 		}
 	}
 	if ( apart )
 	{
-		base.name = name + "/child";
-		base.parent_from_joint = rest;
-		append( base, child );
+		place.name = name + "/child";
+		place.parent_from_joint = rest;
+		append( place, child );
 	}
 }
 
@@ -282,11 +319,10 @@ void Reader::addJoint( const GivenJoint& given )
 			fail( what, joint.Element(), fmt::format( "there is no link {}", link ), "correct the name" );
 		}
 	}
-	if ( const auto above = m_above.find( model.child ); above != m_above.end() )
+	if ( m_above.count( model.child ) != 0 )
 	{
-		fail( what, joint.Element(),
-		    fmt::format( "link {} is already the child of joint {}", model.child, m_robot.joints[above->second].name ),
-		    "a robot is a tree of links: remove one joint of the loop" );
+		m_loops.push_back( fmt::format( "{} at {}", name, model.child ) );
+		return;
 	}
 	Pose3d in_model;
 	require( joint.SemanticPose().Resolve( in_model, "__model__" ), what, joint.Element() );
@@ -309,10 +345,11 @@ void Reader::addJoint( const GivenJoint& given )
 	case ::sdf::JointType::PRISMATIC:
 	case ::sdf::JointType::REVOLUTE2:
 	case ::sdf::JointType::UNIVERSAL:
-		addMoving( given, name, model, joint_from_child );
+	case ::sdf::JointType::BALL:
+		addMoving( partsOf( given, name ), model, joint_from_child );
 		return;
 	default:
-		fail( what, joint.Element(), "is a ball, a screw or a gearbox, which are not read",
+		fail( what, joint.Element(), "is a screw or a gearbox, which are not read",
 		    "use revolute and prismatic joints in its place, or fix it" );
 	}
 }
@@ -433,9 +470,21 @@ RobotModel Reader::read()
 		throw Error( m_file, "<sdf>", "has no model with links", "give a file with a <model>, or a <world> of models" );
 	}
 	checkNames();
+	const auto is_read = []( const GivenJoint& given )
+	{
+		const ::sdf::JointType type = given.joint->Type();
+		return type != ::sdf::JointType::SCREW && type != ::sdf::JointType::GEARBOX;
+	};
+	std::stable_partition( m_joints.begin(), m_joints.end(), is_read ); // the others may close loops of these
 	for ( const GivenJoint& joint : m_joints )
 	{
 		addJoint( joint );
+	}
+	if ( !m_loops.empty() )
+	{
+		m_robot.report.notices.push_back( { m_file, "<joint>",
+		    fmt::format( "joints that close loops are not held ({}), links move as if they were not there: {}",
+		        m_loops.size(), joinNames( m_loops ) ) } );
 	}
 	holdTheRest();
 	m_shapes.finish();
