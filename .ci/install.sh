@@ -31,7 +31,7 @@ packages_of()
 	# packages do not depend on those
 	bridge) echo libompl-dev libboost-serialization-dev libboost-filesystem-dev libboost-system-dev libeigen3-dev \
 		zlib1g-dev liburdfdom-dev liburdfdom-headers-dev libassimp-dev libyaml-cpp-dev libtinyxml2-dev libfmt-dev \
-		liblzf-dev liboctomap-dev libpng-dev libcli11-dev nlohmann-json3-dev ;;
+		liblzf-dev liboctomap-dev libsdformat-dev libpng-dev libcli11-dev nlohmann-json3-dev ;;
 	# xvfb-run is a script of xvfb that calls xauth, which is only recommended by it
 	examples) echo f3d xvfb xauth ;;
 	benchmarks) echo libfcl-dev libccd-dev libeigen3-dev gnuplot-nox ;;

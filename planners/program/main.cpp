@@ -152,7 +152,8 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	command
 	    ->add_option(
 	        "--goal-pose", options.goal_poses, "LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW in the planning frame; repeatable" )
-	    ->type_name( "POSE" );
+	    ->type_name( "POSE" )
+	    ->allow_extra_args( false );
 	command
 	    ->add_option( "--start", options.start,
 	        "joint=value,..., a group_state, or random; other joints have the request's value, else 0" )
@@ -179,7 +180,8 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	rare( command
 	          ->add_option( "--planner-param", options.parameters,
 	              "a parameter of the planner, such as range=0.7; repeatable (an unknown name lists all)" )
-	          ->type_name( "NAME=VALUE" ) );
+	          ->type_name( "NAME=VALUE" )
+	          ->allow_extra_args( false ) );
 	rare( command->add_flag_function(
 	    "--simplify", [&options]( std::int64_t ) { options.simplify = true; }, "shorten the path (default)" ) );
 	rare( command->add_flag_function(
@@ -254,7 +256,8 @@ CLI::App* addAudit( CLI::App& app, AuditOptions& options )
 	command->add_option( "--steps", options.steps, "several trajectories, with objects attached and released in between" )
 	    ->type_name( "steps.yaml" );
 	command->add_option( "--tolerance", options.tolerance, "radians or metres off the motion, of all joints or JOINT=E" )
-	    ->type_name( "E" );
+	    ->type_name( "E" )
+	    ->allow_extra_args( false );
 	command
 	    ->add_option( "--corner-blend", options.corner_blend,
 	        "of a path: prove it with every rounding of its corners by up to R (MoveIt's TOTG: 0.1)" )

@@ -6,6 +6,7 @@
 #include "leeway/io/model.hpp"
 #include "program/help.hpp"
 #include "program/output.hpp"
+#include "tools/xacro.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -121,12 +122,18 @@ lw_check_flags CommonOptions::checkFlags() const
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs )
 {
 	const std::string model = "Model";
-	CLI::Option* robot =
-	    app.add_option( "--robot", options.robot, "robot description: URDF or MJCF" )->type_name( "R.urdf" )->group( model );
+	CLI::Option* robot = app.add_option( "--robot", options.robot, "robot description: URDF, MJCF, xacro or SDF" )
+	                         ->type_name( "R.urdf" )
+	                         ->group( model );
 	if ( needs.robot )
 	{
 		robot->required();
 	}
+	app.validate_positionals(); // other words are unexpected, as if there were no positional argument
+	app.add_option( "xacro", options.xacro_arguments, "arguments of the xacro file that --robot names" )
+	    ->type_name( "NAME:=VALUE" )
+	    ->check( CLI::Validator(
+	        []( const std::string& word ) { return tools::isXacroArgument( word ) ? "" : "is not NAME:=VALUE"; }, "" ) );
 	app.add_option( "--srdf", options.srdf, "groups and pairs of links that may touch" )
 	    ->type_name( "S.srdf" )
 	    ->group( model );
@@ -150,6 +157,12 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 	    ->type_name( "DIR" )
 	    ->allow_extra_args( false )
 	    ->group( model );
+	rare(
+	    app.add_option( "--missing-meshes", options.missing_meshes,
+	           "of the robot: refuse, or skip: leave them out with a notice, so that nothing collides with them (default refuse)" )
+	        ->check( CLI::IsMember( { "refuse", "skip" } ).description( "" ) )
+	        ->type_name( "refuse|skip" )
+	        ->group( model ) );
 	addCacheOptions( app, options, needs, model );
 	std::string limits;
 	for ( const auto& [name, member] : io::limitNames() )

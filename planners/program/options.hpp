@@ -37,7 +37,8 @@ struct CommonOptions
 {
 	std::string robot, srdf, scene, group, request, cache;
 	std::vector<std::string> package_paths;
-	std::vector<std::string> allowed; ///< LINK:OBJECT or LINK:LINK
+	std::vector<std::string> xacro_arguments; ///< NAME:=VALUE
+	std::vector<std::string> allowed;         ///< LINK:OBJECT or LINK:LINK
 	double min_d = 0, max_d = std::numeric_limits<double>::infinity(), alpha = 0;
 	bool min_d_given = false, max_d_given = false;
 	std::string margins, padding;       ///< files
@@ -49,6 +50,7 @@ struct CommonOptions
 	std::vector<std::string> input_limits;                         ///< NAME=N
 	bool visual = false, strict = false;
 	bool all_pairs = false; ///< of commands about all pairs of links: --strict without its notice
+	std::string missing_meshes = "refuse"; ///< or skip
 	bool verbose = false;
 	bool no_cache = false;
 	bool default_cache = false;                ///< `cache` is where the platform keeps caches: nobody named it

@@ -4,6 +4,7 @@
 
 #include "motions/csv.hpp"
 #include "motions/names.hpp"
+#include "tools/xacro.hpp"
 
 #include <fmt/format.h>
 
@@ -131,6 +132,27 @@ void checkWithoutSrdf( const CommonOptions& options, const io::RobotModel& robot
 	}
 }
 
+void readRobot( const CommonOptions& options, io::LoadOptions load, Input& input )
+{
+	const Progress progress( "reading the robot and building its trees" );
+	const double start = now();
+	load.skip_missing_meshes = options.missing_meshes == "skip";
+	load.expand_xacro = [&]( const std::string& file )
+	{
+		tools::XacroSettings settings;
+		settings.arguments = options.xacro_arguments;
+		settings.package_paths = options.package_paths;
+		return tools::expandXacro( file, settings );
+	};
+	input.robot = io::loadRobot( options.robot, options.srdf, load );
+	input.robot_seconds = now() - start;
+	if ( !options.xacro_arguments.empty() && input.robot.expanded_urdf.empty() )
+	{
+		throw io::Error( "command line", options.xacro_arguments.front(),
+		    fmt::format( "is an argument of xacro, and {} is no xacro file", options.robot ), "leave it out" );
+	}
+}
+
 } // namespace
 
 Input loadInput( const CommonOptions& options, Notices& notices )
@@ -175,12 +197,7 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 		input.request = io::loadRequest( options.request );
 		notices.add( "the request", input.request->notices );
 	}
-	{
-		const Progress progress( "reading the robot and building its trees" );
-		const double start = now();
-		input.robot = io::loadRobot( options.robot, options.srdf, load );
-		input.robot_seconds = now() - start;
-	}
+	readRobot( options, load, input );
 	notices.add( "the robot", input.robot.report.notices );
 	checkWithoutSrdf( options, input.robot, notices );
 	if ( !options.scene.empty() )

@@ -32,7 +32,7 @@ from hostile import HARMLESS, REFUSED, SAME, TOLD, hostile_cases
 OUTPUTS = ("--out", "--report", "--json", "--profile", "--view", "--csv", "--png")
 # What a program of C++ reads to begin with, and qhull's place for its messages
 READS = ("/lib", "/lib64", "/usr", "/etc/ld.so.cache", "/etc/localtime", "/proc/self", "/proc/cpuinfo", "/sys/devices/system", "/dev/null", "/dev/stdin", "/dev/urandom")
-WRITES = ("/dev/null",)
+WRITES = ("/dev/null", os.path.expanduser("~/.sdformat"))  # the log of libsdformat, which nothing turns off
 
 
 def prepare(folder, case):

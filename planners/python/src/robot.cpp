@@ -3,19 +3,19 @@
 #include "objects.hpp"
 
 #include "leeway/io/spheres.hpp"
+#include "tools/process.hpp"
+#include "tools/xacro.hpp"
 
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <limits>
-
-#include <stdlib.h>
 
 namespace leeway::python
 {
@@ -25,46 +25,39 @@ namespace
 
 using namespace nb::literals;
 
-/// A folder for text that is read like a file; removed at the end of the scope.
+/// Text that is read like a file, under its own name in messages.
 class TextFiles
 {
 public:
-	TextFiles()
-	{
-		std::string name = ( std::filesystem::temp_directory_path() / "leeway-XXXXXX" ).string();
-		if ( mkdtemp( name.data() ) == nullptr )
-		{
-			throw io::Error( name, "folder", "cannot be made", "give the text as a file, or set TMPDIR" );
-		}
-		m_folder = name;
-	}
-	~TextFiles()
-	{
-		std::error_code ignored;
-		std::filesystem::remove_all( m_folder, ignored );
-	}
-	TextFiles( const TextFiles& ) = delete;
-	TextFiles& operator=( const TextFiles& ) = delete;
-	std::string add( const std::string& name, const std::string& text ) const
-	{
-		const std::filesystem::path file = m_folder / name;
-		std::ofstream( file, std::ios::binary ) << text;
-		return file.string();
-	}
+	std::string add( const std::string& name, const std::string& text ) const { return m_folder.write( name, text ); }
 	/// The name without the folder, for messages.
 	std::string shown( const std::string& file ) const
 	{
-		const std::string folder = m_folder.string() + "/";
+		const std::string folder = m_folder.path() + "/";
 		return file.rfind( folder, 0 ) == 0 ? file.substr( folder.size() ) : file;
 	}
 
 private:
-	std::filesystem::path m_folder;
+	tools::TemporaryFolder m_folder;
 };
 
 bool isText( const std::string& given )
 {
 	return given.find( '<' ) != std::string::npos;
+}
+
+/// The interpreter that runs this, which may have xacro where $PATH has none.
+tools::XacroSettings xacroSettings( const nb::dict& arguments, const std::vector<std::string>& packages )
+{
+	tools::XacroSettings settings;
+	for ( const auto& [name, value] : arguments )
+	{
+		settings.arguments.push_back( std::string( nb::str( name ).c_str() ) + ":=" + nb::str( value ).c_str() );
+	}
+	settings.package_paths = packages;
+	const nb::object interpreter = nb::module_::import_( "sys" ).attr( "executable" );
+	settings.python = nb::isinstance<nb::str>( interpreter ) ? nb::cast<std::string>( interpreter ) : settings.python;
+	return settings;
 }
 
 io::LoadOptions loadOptions( const std::vector<std::string>& packages, double detail, bool visual, bool strict,
@@ -109,11 +102,36 @@ io::RobotModel readRobot( const std::string& urdf, const std::string& srdf, cons
 
 void makeRobot( PyRobot* self, const std::filesystem::path& urdf, const std::filesystem::path& srdf,
     const std::vector<std::string>& packages, double detail, bool visual, bool strict, const std::vector<std::string>& solid,
-    const std::string& cache )
+    const std::string& cache, const std::optional<nb::dict>& xacro, const std::string& missing_meshes )
 {
+	io::LoadOptions options = loadOptions( packages, detail, visual, strict, solid, cache );
+	if ( missing_meshes != "refuse" && missing_meshes != "skip" )
+	{
+		throw nb::value_error( ( "missing_meshes is '" + missing_meshes + "'; give 'refuse' or 'skip'" ).c_str() );
+	}
+	options.skip_missing_meshes = missing_meshes == "skip";
+	if ( xacro )
+	{
+		options.expand_xacro = [settings = xacroSettings( *xacro, packages )]( const std::string& file )
+		{ return tools::expandXacro( file, settings ); };
+	}
+	else
+	{
+		options.expand_xacro = []( const std::string& file ) -> io::ExpandedRobot
+		{
+			throw io::Error( file, "<robot>", "this is a xacro file",
+			    "add xacro={}, with its arguments: the program xacro expands it then, and executes code of the file; or run xacro first: "
+			    "xacro " +
+			        file + " > robot.urdf" );
+		};
+	}
 	const nb::gil_scoped_release unlocked;
-	new ( self )
-	    PyRobot( readRobot( urdf.string(), srdf.string(), loadOptions( packages, detail, visual, strict, solid, cache ) ) );
+	io::RobotModel model = readRobot( urdf.string(), srdf.string(), options );
+	if ( xacro && model.expanded_urdf.empty() )
+	{
+		throw io::Error( urdf.string(), "xacro", "is no xacro file", "leave xacro out" );
+	}
+	new ( self ) PyRobot( std::move( model ) );
 }
 
 std::vector<std::string> linkNames( const PyRobot& robot )
@@ -430,10 +448,14 @@ void bindRobots( nb::module_& module )
 	    "A robot: links with collision shapes, joints, groups. Immutable; threads may share it; pickle keeps its shapes." );
 	type.def( "__init__", &makeRobot, "urdf"_a, "srdf"_a = "", nb::kw_only(), "packages"_a = std::vector<std::string>(),
 	    "detail"_a = 0.0, "visual"_a = false, "strict"_a = false, "solid"_a = std::vector<std::string>(), "cache"_a = "",
+	    "xacro"_a.none() = nb::none(), "missing_meshes"_a = "refuse",
 	    "Reads a URDF and an SRDF: paths, or the text of the documents (anything with a '<').\n\n"
 	    "packages: folders for package:// URIs, or \"name=folder\". detail: metres, coarser shapes that contain the original may\n"
 	    "replace meshes. visual: a link without collision geometry uses its visual geometry. strict: an SRDF that names absent\n"
 	    "links is an error. solid: links whose meshes are closed and solid, \"*\" = all. cache: a folder that keeps sphere trees.\n"
+	    "xacro: a dict of arguments, {} for none: the file is expanded by the program xacro, which executes code of the file and of those\n"
+	    "that it includes. Without it a xacro file is refused. missing_meshes: \"skip\" leaves meshes that are nowhere out, so that nothing\n"
+	    "collides with them; notices name them.\n"
 	    "Raises InputError, which names file, element and remedy." );
 	bindProperties( type );
 	bindFunctions( type );

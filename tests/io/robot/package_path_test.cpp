@@ -79,6 +79,18 @@ TEST_F( PackagePathTest, AnEmptyAuthorityBeginsWithThePackage )
 	EXPECT_EQ( resolve( "elsewhere", "package:///arm/mesh/m.obj", options ), file );
 }
 
+TEST_F( PackagePathTest, ModelsOfGazeboAreFoundAsPackages )
+{
+	const std::string file = writeTetrahedron( "models/arm/m.obj" );
+	setenv( "GAZEBO_MODEL_PATH", path( "models" ).c_str(), 1 );
+	EXPECT_EQ( resolve( "urdf", "model://arm/m.obj" ), file );
+	unsetenv( "GAZEBO_MODEL_PATH" );
+	setenv( "GZ_SIM_RESOURCE_PATH", path( "models" ).c_str(), 1 );
+	EXPECT_EQ( resolve( "urdf", "model://arm/m.obj" ), file );
+	unsetenv( "GZ_SIM_RESOURCE_PATH" );
+	EXPECT_EQ( resolve( "models/arm/urdf", "model://arm/m.obj" ), file );
+}
+
 TEST_F( PackagePathTest, APathThatIsNoFolderIsTold )
 {
 	const std::string file = writeTetrahedron( "arm/m.obj" );
@@ -108,10 +120,91 @@ TEST_F( PackagePathTest, MissingMeshNamesEveryPathTried )
 	    { "robot.urdf", "link base, collision 1 (line 1)", "package://arm/m.obj", path( "given/arm/m.obj" ),
 	        path( "ros/arm/m.obj" ), path( "urdf/arm/m.obj" ), "ROS_PACKAGE_PATH" } );
 	expectError( [&] { resolve( "urdf", "m.obj" ); }, { path( "urdf/m.obj" ) } );
-	expectError( [&] { resolve( "urdf", "package://arm" ); }, { "package://arm", "names package arm and no file in it" } );
+	expectError( [&] { resolve( "urdf", "package://arm" ); },
+	    { "package://arm", "names package arm and no file in it", path( "urdf/arm" ) } );
 	expectError( [&] { resolve( "urdf", "package:///arm/" ); }, { "names package arm and no file in it" } );
 	expectError( [&] { resolve( "urdf", "package:///" ); }, { "names no package" } );
-	expectError( [&] { resolve( "urdf", "model://arm/m.obj" ); }, { "begins with model://", "package://NAME/PATH" } );
+	expectError( [&] { resolve( "urdf", "fuel://arm/m.obj" ); }, { "begins with fuel://", "package://NAME/PATH" } );
 	writeTetrahedron( "urdf/folder.obj/inside.obj" );
 	expectError( [&] { resolve( "urdf", "folder.obj" ); }, { "folder.obj" } );
+}
+
+TEST_F( PackagePathTest, AFolderOfAnotherNameIsGuessedWithOneNotice )
+{
+	const std::string first = writeTetrahedron( "clone/meshes/a.obj" );
+	writeTetrahedron( "clone/meshes/b.obj" );
+	const std::string urdf = write( "clone/urdf/two.urdf",
+	    "<robot name=\"r\"><link name=\"base\"><collision><geometry><mesh filename=\"package://arm_description/meshes/a.obj\"/></geometry>"
+	    "</collision><collision><geometry><mesh filename=\"package://arm_description/meshes/b.obj\"/></geometry></collision></link></robot>" );
+	const RobotModel model = loadRobot( urdf, "" );
+	EXPECT_EQ( model.report.shapes.at( 0 ).file, first );
+	EXPECT_EQ( model.report.notices.size(), 1u ) << allNotices( model.report.notices );
+	EXPECT_NOTICE( model.report.notices,
+	    "package arm_description: was found under that name nowhere; " + path( "clone" ) + " has the file" );
+	EXPECT_NOTICE( model.report.notices, "--package-path arm_description=" + path( "clone" ) );
+	LoadOptions options;
+	options.package_paths = { "arm_description=" + path( "clone" ) };
+	EXPECT_TRUE( loadRobot( urdf, "", options ).report.notices.empty() ) << "stated, it is no guess";
+}
+
+TEST_F( PackagePathTest, ThePackageOfThatNameIsBeforeAnyGuess )
+{
+	writeTetrahedron( "ws/other/meshes/a.obj" );
+	const std::string named = writeTetrahedron( "ws/arm/meshes/a.obj" );
+	EXPECT_EQ( resolve( "ws/other/urdf", "package://arm/meshes/a.obj" ), named );
+}
+
+TEST_F( PackagePathTest, AFileWithoutAPackageIsAPath )
+{
+	const std::string beside = writeTetrahedron( "arm/m.obj" );
+	EXPECT_EQ( resolve( "arm", "package://m.obj" ), beside );
+	EXPECT_EQ( resolve( "arm/urdf", "package://m.obj" ), beside );
+	EXPECT_NOTICE( loadRobot( path( "arm/urdf/robot.urdf" ), "" ).report.notices,
+	    "URIs that name a file and no package, such as package://m.obj" );
+	const std::string given = writeTetrahedron( "given/m.obj" );
+	LoadOptions options;
+	options.package_paths = { path( "given" ) };
+	EXPECT_EQ( resolve( "arm", "package://m.obj", options ), given );
+}
+
+TEST_F( PackagePathTest, MissingMeshesAreLeftOutOnRequestOnly )
+{
+	writeTetrahedron( "m.obj" );
+	const auto mesh = []( const std::string& name )
+	{ return "<collision><geometry><mesh filename=\"" + name + "\"/></geometry></collision>"; };
+	const std::string joint = "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>";
+	const std::string urdf = write( "r.urdf",
+	    "<robot name=\"r\">\n<link name=\"a\">" + mesh( "m.obj" ) + mesh( "gone.obj" ) + "</link>\n<link name=\"b\">" +
+	        mesh( "package://p/b.obj" ) + mesh( "fuel://c.obj" ) + "</link>" + joint + "</robot>" );
+	expectError( [&] { loadRobot( urdf, "" ); }, { "gone.obj was not found" } );
+	LoadOptions options;
+	options.skip_missing_meshes = true;
+	const RobotModel model = loadRobot( urdf, "", options );
+	ASSERT_EQ( model.links.size(), 2u );
+	EXPECT_EQ( model.links[0].collision.size(), 1u );
+	EXPECT_TRUE( model.links[1].collision.empty() );
+	EXPECT_EQ( model.report.links_without_geometry, std::vector<std::string>{ "b" } );
+	EXPECT_NOTICE( model.report.notices,
+	    "missing meshes: LEFT OUT, because they were found nowhere, so that nothing collides with them (3, in links: 2): gone.obj of link a (line 2), "
+	    "package://p/b.obj of link b (line 3), fuel://c.obj of link b (line 3)" );
+	const std::string all =
+	    write( "all.urdf", "<robot name=\"r\"><link name=\"a\">" + mesh( "gone.obj" ) + "</link></robot>" );
+	expectError(
+	    [&] { loadRobot( all, "", options ); }, { "every mesh is missing (1)", "gone.obj of link a", "--package-path" } );
+	write( "bad.obj", "no mesh" );
+	const std::string bad =
+	    write( "bad.urdf", "<robot name=\"r\"><link name=\"a\">" + mesh( "m.obj" ) + mesh( "bad.obj" ) + "</link></robot>" );
+	expectError( [&] { loadRobot( bad, "", options ); }, { "bad.obj" } );
+}
+
+TEST_F( PackagePathTest, MissingMeshesOfAnMjcfToo )
+{
+	const std::string file =
+	    write( "m.xml", "<mujoco><asset><mesh name=\"arm\" file=\"gone.obj\"/></asset><worldbody><body name=\"a\">"
+	                    "<geom size=\"1\"/>\n<geom type=\"mesh\" mesh=\"arm\"/></body></worldbody></mujoco>" );
+	expectError( [&] { loadRobot( file, "" ); }, { "gone.obj" } );
+	LoadOptions options;
+	options.skip_missing_meshes = true;
+	EXPECT_NOTICE( loadRobot( file, "", options ).report.notices, "nothing collides with them (1, in links: 1)" );
+	EXPECT_NOTICE( loadRobot( file, "", options ).report.notices, "gone.obj of link a (line 2)" );
 }

@@ -212,7 +212,7 @@ TEST_F( UrdfTest, FilesThatAreNoUrdf )
 	expectError( [&] { loadRobot( write( "e.urdf", "" ), "" ); }, { "e.urdf" } );
 	expectError( [&] { loadRobot( write( "x.urdf", "<robot name=\"r\">\n<link name=\"a\">\n</robot>" ), "" ); },
 	    { "x.urdf", "XML" } );
-	expectError( [&] { loadRobot( write( "s.urdf", "<sdf version=\"1.6\"/>" ), "" ); }, { "<sdf>", "<robot>" } );
+	expectError( [&] { loadRobot( write( "s.urdf", "<COLLADA/>" ), "" ); }, { "<COLLADA>", "<robot>" } );
 	expectError( [&] { loadRobot( write( "y.urdf", "name: yaml" ), "" ); }, { "y.urdf" } );
 }
 

@@ -339,6 +339,5 @@ TEST_F( SceneTest, FormatIsReadFromTheNameAndNotFromTheContent )
 	EXPECT_EQ( loadScene( write( "a.xml", "name: empty\nworld: {}\n" ) ).name, "empty" );
 	expectError( [&] { loadScene( write( "a.yaml", "<<: {world: {}}\n" ) ); }, { "merge keys" } );
 	expectError( [&] { loadScene( write( "b.yaml", "#usda 1.0\n" ) ); }, { "this is a USD stage (text)", "export it" } );
-	expectError(
-	    [&] { loadScene( write( "c.yaml", "<sdf version=\"1.9\"/>" ) ); }, { "this is an SDF model or world of Gazebo" } );
+	expectError( [&] { loadScene( write( "c.yaml", "<COLLADA/>" ) ); }, { "this is a COLLADA mesh" } );
 }

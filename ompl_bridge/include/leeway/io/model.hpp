@@ -10,6 +10,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -72,6 +73,13 @@ struct LoadReport
 /// Bytes: default size limit of a cache folder; above it the least recently used files are removed.
 constexpr std::uint64_t default_cache_limit = std::uint64_t( 1 ) << 30;
 
+/// The text of a URDF that a program made of a robot file, and the program's words about it.
+struct ExpandedRobot
+{
+	std::string text;
+	std::vector<Notice> notices;
+};
+
 struct LoadOptions
 {
 	/// Folders for `package://NAME/PATH`: each entry contains a folder NAME, is itself named NAME, or is
@@ -86,6 +94,9 @@ struct LoadOptions
 	double detail = 0;
 	/// A link without collision geometry uses its visual geometry, with a notice.
 	bool use_visual = false;
+	/// True: a mesh of a robot whose file is found nowhere is left out, and so is its part of the link; one notice counts and names them
+	/// all. False: an Error. Only on request, because nothing collides with such a mesh.
+	bool skip_missing_meshes = false;
 	/// True: an SRDF element that lacks an attribute, or names an absent link, joint or group, is an Error. False: such an
 	/// element is left out with a notice, as in srdfdom; a group or state that thereby lost a part cannot be used.
 	bool strict = false;
@@ -99,6 +110,10 @@ struct LoadOptions
 	/// mesh and a digest of its sources: the file's bytes, scale, options, version. It changes no answer.
 	std::string cache;
 	std::uint64_t cache_limit = default_cache_limit; ///< bytes, see leeway/io/cache.hpp
+	/// Expands a xacro file. loadRobot() calls it with the name of the robot's file if that declares xacro's namespace and has something
+	/// to expand; nothing else is handed to it: no other robot, no SRDF, no scene, no part of one. Without it such a file is an Error.
+	/// This library starts no program: xacro executes code of the file, so the caller decides whose files it may run on.
+	std::function<ExpandedRobot( const std::string& file )> expand_xacro;
 };
 
 /// A collision shape at a pose in its owner's frame.
@@ -157,6 +172,7 @@ struct GroupState
 struct RobotModel
 {
 	std::string name, urdf_file, srdf_file;
+	std::string expanded_urdf; ///< the text that LoadOptions::expand_xacro made of the file; empty for other files
 	std::string root_link;
 	std::string planning_frame;     ///< parent frame of the SRDF's virtual joint, else the root link's name
 	std::vector<LinkModel> links;   ///< the virtual joint's parent frame, if any, is a link without geometry

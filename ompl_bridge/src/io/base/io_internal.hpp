@@ -46,9 +46,13 @@ std::string joinNames( const std::vector<std::string>& names, std::size_t limit 
 
 /// The file that a URI of `from_file` names: package://, file://, absolute, or relative to the folder of `from_file`.
 /// @param kind "point cloud", for the error
+/// @param notices receives one for each package whose folder was guessed
 /// @throws Error with `from_file` and `element` and every path that was tried, in order
 std::string findResource( const char* kind, const std::string& uri, const std::string& from_file, const std::string& element,
-    const LoadOptions& options );
+    const LoadOptions& options, std::vector<Notice>& notices );
+
+/// Whether findResource() would find a file.
+bool hasResource( const std::string& uri, const std::string& from_file, const LoadOptions& options );
 
 /// Wall time since it was made.
 class Stopwatch

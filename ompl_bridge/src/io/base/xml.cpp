@@ -75,7 +75,7 @@ constexpr OtherFormat other_formats[] = {
     { "mujoco", "an MJCF model", "give it as the robot (--robot)" },
     { "mujocoinclude", "a part of an MJCF model", "give the file that includes it" },
     { "sdf", "an SDF model or world of Gazebo",
-        "give the URDF that it was made from, or convert it to one (sdformat_urdf)" },
+        "build leeway with libsdformat 12 (-DLEEWAY_SDF=ON), give the URDF that it was made from, or convert it to one (sdformat_urdf)" },
     { "COLLADA", "a COLLADA mesh", "name it as the mesh of a URDF" },
 };
 
@@ -90,7 +90,9 @@ void refuseUsd( const std::string& file, const std::string& content )
 	                                            : nullptr;
 	if ( kind != nullptr )
 	{
-		throw Error( file, "", kind, "export it as a URDF or MJCF, with the program that made it" );
+		throw Error( file, "", kind,
+		    "export it as a URDF or MJCF, with the program that made it, or convert it by Python: leeway.usd.to_urdf( FILE, FOLDER ); in "
+		    "Python, leeway.usd.load( FILE ) reads it" );
 	}
 }
 
@@ -168,6 +170,13 @@ void XmlFile::requireRobot( const char* kind ) const
 		    fmt::format(
 		        "run xacro first: xacro {} > robot.{}", m_path, std::strcmp( kind, "URDF" ) == 0 ? "urdf" : "srdf" ) );
 	}
+}
+
+bool XmlFile::isXacro() const
+{
+	const tinyxml2::XMLElement* root = m_doc.RootElement();
+	return root != nullptr && std::strcmp( root->Name(), "robot" ) == 0 && root->Attribute( "xmlns:xacro" ) != nullptr &&
+	       findXacro( *root ) != nullptr;
 }
 
 std::string XmlFile::place( const tinyxml2::XMLElement& at, const std::string& what ) const

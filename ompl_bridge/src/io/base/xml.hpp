@@ -71,6 +71,8 @@ public:
 	/// The root is <robot>, and nothing is left for xacro. @param kind "URDF" or "SRDF", for messages
 	/// @throws Error that names the format of the file, if it is a known one, and the remedy
 	void requireRobot( const char* kind ) const;
+	/// A <robot> that declares xacro's namespace and has something for xacro to replace.
+	bool isXacro() const;
 
 	const std::string& path() const { return m_path; }
 	const tinyxml2::XMLElement& root() const { return *m_doc.RootElement(); }

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Shapes of the geoms of an MJCF model.
 //
-// MuJoCo collides with convex hulls of meshes; here they are solid meshes made by qhull. An ellipsoid becomes a polyhedron
-// around it: points of a subdivided icosahedron, moved out until its facets touch the unit sphere, then stretched.
+// MuJoCo collides with convex hulls of meshes; here they are solid meshes made by qhull.
 #include "mjcf/geoms.hpp"
 
 #include "mesh/convex_hull.hpp"
@@ -14,69 +13,6 @@
 
 namespace leeway::io::detail::mjcf
 {
-
-namespace
-{
-
-/// Facets around a unit sphere: an icosahedron whose facets are cut in four, `cuts` times.
-TriangleSoup aroundUnitSphere( int cuts )
-{
-	const double g = ( 1 + std::sqrt( 5.0 ) ) / 2;
-	std::vector<std::array<double, 3>> points = { { -1, g, 0 }, { 1, g, 0 }, { -1, -g, 0 }, { 1, -g, 0 }, { 0, -1, g },
-	    { 0, 1, g }, { 0, -1, -g }, { 0, 1, -g }, { g, 0, -1 }, { g, 0, 1 }, { -g, 0, -1 }, { -g, 0, 1 } };
-	std::vector<std::uint32_t> facets = { 0, 11, 5, 0, 5, 1, 0, 1, 7, 0, 7, 10, 0, 10, 11, 1, 5, 9, 5, 11, 4, 11, 10, 2, 10,
-	    7, 6, 7, 1, 8, 3, 9, 4, 3, 4, 2, 3, 2, 6, 3, 6, 8, 3, 8, 9, 4, 9, 5, 2, 4, 11, 6, 2, 10, 8, 6, 7, 9, 8, 1 };
-	const auto onto = [&]( std::array<double, 3> p )
-	{
-		const double length = std::hypot( p[0], p[1], p[2] );
-		return std::array<double, 3>{ p[0] / length, p[1] / length, p[2] / length };
-	};
-	std::transform( points.begin(), points.end(), points.begin(), onto );
-	for ( int cut = 0; cut < cuts; ++cut )
-	{
-		std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
-		const auto middle = [&]( std::uint32_t a, std::uint32_t b )
-		{
-			const auto [place, fresh] = middles.emplace( std::minmax( a, b ), static_cast<std::uint32_t>( points.size() ) );
-			if ( fresh )
-			{
-				points.push_back(
-				    onto( { points[a][0] + points[b][0], points[a][1] + points[b][1], points[a][2] + points[b][2] } ) );
-			}
-			return place->second;
-		};
-		std::vector<std::uint32_t> finer;
-		for ( std::size_t i = 0; i < facets.size(); i += 3 )
-		{
-			const std::uint32_t a = facets[i], b = facets[i + 1], c = facets[i + 2], ab = middle( a, b ),
-			                    bc = middle( b, c ), ca = middle( c, a );
-			finer.insert( finer.end(), { a, ab, ca, b, bc, ab, c, ca, bc, ab, bc, ca } );
-		}
-		facets = finer;
-	}
-	double nearest = 1; // of the planes of the facets to the centre
-	for ( std::size_t i = 0; i < facets.size(); i += 3 )
-	{
-		const auto &a = points[facets[i]], &b = points[facets[i + 1]], &c = points[facets[i + 2]];
-		const double u[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] }, v[3] = { c[0] - a[0], c[1] - a[1], c[2] - a[2] };
-		const double n[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0] };
-		nearest = std::min( nearest, std::fabs( n[0] * a[0] + n[1] * a[1] + n[2] * a[2] ) / std::hypot( n[0], n[1], n[2] ) );
-	}
-	TriangleSoup soup;
-	soup.indices = facets;
-	for ( const auto& p : points )
-	{
-		for ( double x : p )
-		{
-			soup.vertices.push_back( x / nearest * ( 1 + 1e-12 ) ); // above all rounding of this function
-		}
-	}
-	return soup;
-}
-
-constexpr int ellipsoid_cuts = 3; ///< 1280 facets; their planes are 0.997 of the points' distance from the centre
-
-} // namespace
 
 GeomShapes::GeomShapes( const Document& document, const Compiler& compiler, const Defaults& defaults,
     const LoadOptions& options, LoadReport& report )
@@ -128,6 +64,18 @@ std::string GeomShapes::pathOf( const XMLElement& asset, const std::string& what
 	file = m_compiler.strip_path ? file.filename() : file;
 	const std::filesystem::path main = std::filesystem::path( m_document.path() ).parent_path();
 	return ( file.is_absolute() ? file : main / m_compiler.mesh_folder / file ).lexically_normal().string();
+}
+
+std::string GeomShapes::missingFile( const Geom& geom, const std::string& what ) const
+{
+	if ( geom.type != GeomType::MESH )
+	{
+		return "";
+	}
+	const XMLElement& asset = find( geom, what, "mesh", m_meshes );
+	const std::string file = asset.Attribute( "file" ) != nullptr ? pathOf( asset, "mesh " + geom.asset ) : "";
+	std::error_code error;
+	return file.empty() || std::filesystem::exists( file, error ) ? "" : file;
 }
 
 std::vector<double> GeomShapes::meshVertices(
@@ -230,23 +178,6 @@ Shape GeomShapes::shared( const Geom& geom, const ShapeLoader::Place& place, con
 	return found->second.shape;
 }
 
-Shape GeomShapes::ellipsoid( const Geom& geom, const ShapeLoader::Place& place )
-{
-	TriangleSoup soup = aroundUnitSphere( ellipsoid_cuts );
-	for ( std::size_t i = 0; i < soup.vertices.size(); ++i )
-	{
-		soup.vertices[i] *= geom.size[i % 3];
-	}
-	const double excess =
-	    std::max( { geom.size[0], geom.size[1], geom.size[2] } ) *
-	    ( std::hypot( soup.vertices[0] / geom.size[0], soup.vertices[1] / geom.size[1], soup.vertices[2] / geom.size[2] ) -
-	        1 );
-	m_report.notices.push_back( { place.file, place.element,
-	    fmt::format( "an ellipsoid is a polyhedron that contains it and exceeds it by at most {:.3g} m", excess ) } );
-	return m_geometry.solidSurface(
-	    place, fmt::format( "ellipsoid {} x {} x {}", geom.size[0], geom.size[1], geom.size[2] ), "", soup );
-}
-
 PlacedShape GeomShapes::make( const Geom& geom, const std::string& what, const std::string& link )
 {
 	const ShapeLoader::Place place = m_document.place( *geom.element, what, link );
@@ -264,7 +195,7 @@ PlacedShape GeomShapes::make( const Geom& geom, const std::string& what, const s
 	case GeomType::ELLIPSOID:
 		return s[0] == s[1] && s[1] == s[2]
 		           ? PlacedShape{ m_shapes.primitive( place, LW_SHAPE_SPHERE, { s[0], 0, 0 } ), geom.pose }
-		           : PlacedShape{ ellipsoid( geom, place ), geom.pose };
+		           : PlacedShape{ m_geometry.ellipsoid( place, { s[0], s[1], s[2] } ), geom.pose };
 	case GeomType::MESH:
 		return { shared( geom, place, "mesh" ), geom.pose };
 	default:

@@ -18,6 +18,8 @@ public:
 
 	/// The shape of a geom that is no plane, at its pose in the body's frame. @param link that owns it @throws Error
 	PlacedShape make( const Geom& geom, const std::string& what, const std::string& link );
+	/// The file of a geom's mesh if it is not there; else empty. @throws Error
+	std::string missingFile( const Geom& geom, const std::string& what ) const;
 	/// Several spheres as one shape, in the body's frame. @param spheres [n][4]
 	PlacedShape spheres( const Body& body, const std::vector<double>& spheres );
 	/// Half-space below a plane, in the body's frame.
@@ -40,7 +42,6 @@ private:
 	    const XMLElement& asset, const std::string& what, const ShapeLoader::Place& place, std::string& file );
 	Known hull( const XMLElement& asset, const std::string& name, const ShapeLoader::Place& place );
 	Known heightField( const XMLElement& asset, const std::string& name, const ShapeLoader::Place& place );
-	Shape ellipsoid( const Geom& geom, const ShapeLoader::Place& place );
 
 	const Document& m_document;
 	const Compiler& m_compiler;

@@ -3,6 +3,7 @@
 #include "mjcf/robot.hpp"
 
 #include "mjcf/known.hpp"
+#include "shape/missing_meshes.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -46,6 +47,7 @@ private:
 	std::set<std::string> m_paired; ///< geoms of a <pair>
 	const Body* m_bodies = nullptr; ///< the first
 	std::vector<std::string> m_hidden, m_used, m_margins;
+	MissingMeshes m_missing;
 };
 
 /// A link of its own, which becomes an obstacle of each problem.
@@ -106,6 +108,12 @@ void ShapeReader::addShapes( const Body& body, bool visual, LinkModel& link )
 			spheres.insert( spheres.end(), { geom.pose.t[0], geom.pose.t[1], geom.pose.t[2], geom.size[0] } );
 			continue;
 		}
+		const std::string missing = m_options.skip_missing_meshes ? m_shapes.missingFile( geom, what ) : "";
+		if ( !missing.empty() )
+		{
+			m_missing.add( missing, body.name, geom.element->GetLineNum() );
+			continue;
+		}
 		link.collision.push_back( m_shapes.make( geom, what, body.name ) );
 	}
 	if ( !spheres.empty() )
@@ -125,7 +133,8 @@ void ShapeReader::readBody( const Body& body )
 		addShapes( body, true, link );
 		m_used.push_back( body.name );
 	}
-	else if ( link.collision.empty() && visual )
+	else if ( visual &&
+	          std::none_of( body.geoms.begin(), body.geoms.end(), [&]( const Geom& geom ) { return collides( geom ); } ) )
 	{
 		m_hidden.push_back( body.name );
 	}
@@ -164,7 +173,9 @@ void ShapeReader::notices( const Tree& tree )
 			m_model.report.links_without_geometry.push_back( link.name );
 		}
 	}
-	if ( m_model.report.links_without_geometry.size() == m_model.links.size() )
+	const bool none = m_model.report.links_without_geometry.size() == m_model.links.size();
+	m_missing.report( m_document.path(), !none, notices );
+	if ( none )
 	{
 		throw Error( m_document.path(), "<mujoco>", "no body has a geom that collides",
 		    m_hidden.empty()

@@ -5,6 +5,9 @@
 #include "robot/neighbours.hpp"
 #include "robot/plausibility.hpp"
 #include "robot/urdf_reader.hpp"
+#if LEEWAY_SDF
+#include "sdf/sdf.hpp"
+#endif
 
 #include <cstring>
 #include <filesystem>
@@ -18,16 +21,27 @@ namespace detail
 namespace
 {
 
-bool isMjcf( const XmlFile& xml )
+bool hasRoot( const XmlFile& xml, const char* name )
 {
 	const tinyxml2::XMLElement* root = xml.document().RootElement();
-	return root != nullptr && std::strcmp( root->Name(), "mujoco" ) == 0;
+	return root != nullptr && std::strcmp( root->Name(), name ) == 0;
+}
+
+bool isMjcf( const XmlFile& xml )
+{
+	return hasRoot( xml, "mujoco" );
 }
 
 } // namespace
 
 RobotModel readRobot( std::unique_ptr<XmlFile> xml, const LoadOptions& options )
 {
+#if LEEWAY_SDF
+	if ( hasRoot( *xml, "sdf" ) )
+	{
+		return readSdf( xml->path(), options );
+	}
+#endif
 	return isMjcf( *xml ) ? readMjcf( std::move( xml ), options ) : readUrdf( *xml, options );
 }
 
@@ -52,13 +66,47 @@ void noticePackagePaths( const LoadOptions& options, std::vector<Notice>& notice
 	}
 }
 
+const char* const expanded_text = " of the text that xacro wrote";
+
+/// The robot of a file, before it has an SRDF. @throws Error
+RobotModel readFileOrExpanded( std::unique_ptr<detail::XmlFile> xml, const LoadOptions& options )
+{
+	if ( !options.expand_xacro || !xml->isXacro() )
+	{
+		return detail::readRobot( std::move( xml ), options );
+	}
+	const std::string file = xml->path();
+	ExpandedRobot expanded = options.expand_xacro( file );
+	try
+	{
+		auto urdf = std::make_unique<detail::XmlFile>( file, expanded.text );
+		if ( detail::hasRoot( *urdf, "robot" ) && urdf->root().FirstChildElement( "link" ) == nullptr )
+		{
+			throw Error( file, "<robot>", "has no link: it may define macros only", "name the file that uses them" );
+		}
+		RobotModel model = detail::readRobot( std::move( urdf ), options );
+		model.expanded_urdf = std::move( expanded.text );
+		for ( Notice& notice : model.report.notices )
+		{
+			notice.element += notice.file == file ? expanded_text : ""; // lines are those of that text
+		}
+		model.report.notices.insert( model.report.notices.begin(), expanded.notices.begin(), expanded.notices.end() );
+		return model;
+	}
+	catch ( const Error& error )
+	{
+		throw Error(
+		    error.file(), error.element() + ( error.file() == file ? expanded_text : "" ), error.problem(), error.remedy() );
+	}
+}
+
 } // namespace
 
 RobotModel loadRobot( const std::string& urdf_file, const std::string& srdf_file, const LoadOptions& options )
 {
 	auto xml = std::make_unique<detail::XmlFile>( urdf_file );
 	const bool mjcf = detail::isMjcf( *xml );
-	RobotModel model = detail::readRobot( std::move( xml ), options );
+	RobotModel model = readFileOrExpanded( std::move( xml ), options );
 	noticePackagePaths( options, model.report.notices );
 	detail::noticeOddSizes( model, model.report.notices );
 	if ( !srdf_file.empty() )

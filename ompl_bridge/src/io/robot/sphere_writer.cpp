@@ -52,7 +52,8 @@ void removeAll( XMLElement& parent, const char* name )
 
 std::string writeSpheresUrdf( const RobotModel& model, const std::vector<LinkSpheres>& links )
 {
-	detail::XmlFile file( model.urdf_file );
+	detail::XmlFile file(
+	    model.urdf_file, model.expanded_urdf.empty() ? readWholeFile( model.urdf_file ) : model.expanded_urdf );
 	tinyxml2::XMLDocument& xml = file.document();
 	if ( !detail::isPlainUrdf( file ) )
 	{

@@ -8,6 +8,7 @@
 #include "robot/urdf_reader.hpp"
 
 #include "robot/plausibility.hpp"
+#include "robot/prepare_shapes.hpp"
 #include "shape/geometry_loader.hpp"
 
 #include <console_bridge/console.h>
@@ -149,74 +150,6 @@ void checkGeometry( const XmlFile& xml, const XMLElement& collision, const std::
 		                    : "use a box, sphere, cylinder, capsule or mesh" );
 	}
 	checkOrigin( xml, collision, what );
-}
-
-/// LoadOptions::use_visual: where there is no collision element, visual elements become collision elements.
-void useVisual( XmlFile& xml, std::vector<Notice>& notices )
-{
-	std::vector<std::string> names;
-	XMLElement* link = xml.document().RootElement()->FirstChildElement( "link" );
-	for ( ; link != nullptr; link = link->NextSiblingElement( "link" ) )
-	{
-		if ( link->FirstChildElement( "collision" ) != nullptr || link->FirstChildElement( "visual" ) == nullptr )
-		{
-			continue;
-		}
-		names.push_back( xml.text( *link, "link", "name" ) );
-		while ( XMLElement* visual = link->FirstChildElement( "visual" ) )
-		{
-			visual->SetName( "collision" );
-		}
-	}
-	if ( !names.empty() )
-	{
-		notices.push_back( { xml.path(), "<visual>",
-		    fmt::format( "visual geometry is used for links without collision geometry: {}", joinNames( names ) ) } );
-	}
-}
-
-/// Whether all numbers of a shape are there, and 0: some exporters put such boxes where a link has no shape.
-bool hasNoSize( const XMLElement& collision )
-{
-	const XMLElement* geometry = collision.FirstChildElement( "geometry" );
-	const XMLElement* shape = geometry != nullptr ? geometry->FirstChildElement() : nullptr;
-	const bool alone = shape != nullptr && shape->NextSiblingElement() == nullptr;
-	const std::string type = alone ? shape->Name() : "";
-	const auto zero = [&]( const char* attribute, std::size_t count )
-	{
-		const char* text = shape->Attribute( attribute );
-		const std::vector<std::string> words = splitBlanks( text != nullptr ? text : "" );
-		return words.size() == count && std::all_of( words.begin(), words.end(),
-		                                    []( const std::string& word ) { return parseNumber( word ) == 0.0; } );
-	};
-	return ( type == "box" && zero( "size", 3 ) ) || ( type == "sphere" && zero( "radius", 1 ) ) ||
-	       ( ( type == "cylinder" || type == "capsule" ) && zero( "radius", 1 ) && zero( "length", 1 ) );
-}
-
-/// Takes collision elements of shapes without size out of the document.
-void leaveOutShapesWithoutSize( XmlFile& xml, std::vector<Notice>& notices )
-{
-	std::vector<std::string> names;
-	XMLElement* robot = xml.document().RootElement();
-	for ( XMLElement* link = robot->FirstChildElement( "link" ); link != nullptr; link = link->NextSiblingElement( "link" ) )
-	{
-		for ( XMLElement* collision = link->FirstChildElement( "collision" ); collision != nullptr; )
-		{
-			XMLElement* next = collision->NextSiblingElement( "collision" );
-			if ( hasNoSize( *collision ) )
-			{
-				names.push_back( fmt::format( "{} (line {})", xml.text( *link, "link", "name" ), collision->GetLineNum() ) );
-				link->DeleteChild( collision );
-			}
-			collision = next;
-		}
-	}
-	if ( !names.empty() )
-	{
-		notices.push_back( { xml.path(), "<collision>",
-		    fmt::format(
-		        "shapes of size zero are left out, {} of links: {}", names.size(), joinNames( names, names.size() ) ) } );
-	}
 }
 
 void checkLinks( const XmlFile& xml, std::set<std::string>& links )
@@ -716,12 +649,7 @@ RobotModel readUrdf( XmlFile& xml, const LoadOptions& options )
 {
 	RobotModel model;
 	xml.requireRobot( "URDF" );
-	leaveOutShapesWithoutSize( xml, model.report.notices );
-	if ( options.use_visual )
-	{
-		useVisual( xml, model.report.notices );
-		leaveOutShapesWithoutSize( xml, model.report.notices );
-	}
+	prepareShapes( xml, options, model.report.notices );
 	xml.requireUtf8( xml.root(), "<robot>", "name" );
 	std::set<std::string> links;
 	checkLinks( xml, links );

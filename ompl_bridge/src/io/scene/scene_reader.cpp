@@ -503,7 +503,8 @@ void SceneReader::readArticulations()
 			node["id"].fail(
 			    name.empty() ? "is empty" : "an object of this id was defined before", "give it a name of its own" );
 		}
-		std::string file = detail::findResource( "URDF", node["resource"].text(), m_scene.file, node.place(), m_options );
+		std::string file = detail::findResource(
+		    "URDF", node["resource"].text(), m_scene.file, node.place(), m_options, m_scene.report.notices );
 		LoadOptions options = m_options;
 		options.solid = node["solid"].textList();
 		Articulation articulation =

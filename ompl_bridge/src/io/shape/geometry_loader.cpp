@@ -55,7 +55,7 @@ lw_transform planePose( const std::array<double, 3>& normal, double distance )
 
 std::string GeometryLoader::find( const Place& place, const char* kind, const std::string& uri ) const
 {
-	return findResource( kind, uri, place.file, place.element, m_options );
+	return findResource( kind, uri, place.file, place.element, m_options, m_report.notices );
 }
 
 void GeometryLoader::notice( const Place& place, const std::string& text )

@@ -22,6 +22,8 @@ public:
 	Shape solidInlineMesh( const Place& place, const TriangleSoup& soup );
 	/// A closed surface that was computed. @param source for the report: "convex hull of mesh hand" @param file it came from, or empty
 	Shape solidSurface( const Place& place, const std::string& source, const std::string& file, const TriangleSoup& soup );
+	/// A closed polyhedron around it, with a notice of the excess. @param radii metres, > 0
+	Shape ellipsoid( const Place& place, const std::array<double, 3>& radii );
 	/// @param radius metres, >= 0, of the ball around each point
 	Shape pointCloud( const Place& place, const std::string& uri, double radius );
 	/// An empty handle, with a notice, if the map has nothing that is occupied.

@@ -73,7 +73,7 @@ Shape ShapeLoader::mesh( const Place& place, const std::string& uri, const std::
 			    "give three finite factors other than 0" );
 		}
 	}
-	const std::string file = findResource( "mesh", uri, place.file, place.element, m_options );
+	const std::string file = findResource( "mesh", uri, place.file, place.element, m_options, m_report.notices );
 	LoadedShape line;
 	line.owner = place.owner;
 	line.source = "mesh " + uri;
