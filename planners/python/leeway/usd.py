@@ -101,7 +101,7 @@ class _Stage:
                 stage = Usd.Stage.Open(self.file)
             except Exception as error:  # pxr.Tf.ErrorException
                 raise self.problem("", "cannot be opened: " + str(error).strip().splitlines()[-1], "give a stage of USD (.usd, .usda, .usdc, .usdz)") from None
-        self.stage, self.notices, self.files = stage, [], set()
+        self.stage, self.notices, self.files = stage, [], []
         self.poses = UsdGeom.XformCache()  # default time
         scale = UsdGeom.GetStageMetersPerUnit(stage)
         self.to_metres = numpy.diag([scale, scale, scale, 1.0])
@@ -109,11 +109,11 @@ class _Stage:
             self.to_metres = numpy.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]) @ self.to_metres
         self.units = scale
         self.prims = list(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()))
-        self.links, self.names = {}, {WORLD}  # path of a body -> its name
+        self.links, self.link_names, self.joint_names = {}, {WORLD}, set()  # links: path of a body -> its name
         for prim in self.prims:
             body = UsdPhysics.RigidBodyAPI(prim) if prim.HasAPI(UsdPhysics.RigidBodyAPI) else None
             if body and body.GetRigidBodyEnabledAttr().Get() is not False:
-                self.links[prim.GetPath()] = self.fresh(prim)
+                self.links[prim.GetPath()] = self.fresh(prim, self.link_names)
         if not self.links:
             raise self.problem("", "has no prim with PhysicsRigidBodyAPI", "give the stage of a robot with UsdPhysics, or a URDF or MJCF of it")
 
@@ -122,14 +122,16 @@ class _Stage:
         error.file, error.element, error.problem, error.remedy = self.file, str(path), problem, remedy
         return error
 
-    def fresh(self, prim):
-        """A name of its own for a link or joint."""
-        name = prim.GetName()
-        if name in self.names:
+    @staticmethod
+    def fresh(prim, names):
+        """A name of its own for a link or joint: the one that users see, if it has no blanks."""
+        shown = prim.GetDisplayName()
+        name = shown if shown and not re.search(r"\s", shown) else prim.GetName()
+        if name in names:
             name = str(prim.GetPath()).strip("/").replace("/", "_")
-        while name in self.names:
+        while name in names:
             name += "_"
-        self.names.add(name)
+        names.add(name)
         return name
 
     def matrix(self, prim):
@@ -191,7 +193,7 @@ class _Stage:
                 self.end(joint, joint.GetBody1Rel(), joint.GetLocalPos1Attr(), joint.GetLocalRot1Attr()))
             if ends[0][0] == ends[1][0]:
                 raise self.problem(prim.GetPath(), f"has {self.name_of(ends[0][0])} at both ends", "name two bodies, or deactivate the prim")
-            if any("MimicJoint" in schema for schema in self.schemas(prim)):
+            if any("PhysxMimicJoint" in schema for schema in self.schemas(prim)):
                 self.notices.append(f"{prim.GetPath()}: follows another joint in the stage; here it is a joint of its own")
             found.append((prim, ends))
         return found
@@ -223,7 +225,7 @@ class _Stage:
                             "deactivate one joint of the loop (prim.SetActive(False))")
                     known.add(child)
                     queue.append(child)
-                    joints.append(_Joint(self.fresh(prim), prim, self.name_of(body), self.name_of(child), frame, child_frame, side == 1))
+                    joints.append(_Joint(self.fresh(prim, self.joint_names), prim, self.name_of(body), self.name_of(child), frame, child_frame, side == 1))
             waiting = [path for path in waiting if path not in known]
             if not waiting:
                 break
@@ -250,10 +252,32 @@ class _Stage:
             return "continuous", axis, 0, 0
         if not all(bounded):
             raise self.problem(path, "has a limit on one side only" if any(bounded) else "slides without limits", "give both limits")
-        unit = math.pi / 180 if revolute else self.units
+        unit = self.unit_of(joint.prim)
         return ("revolute" if revolute else "prismatic"), axis, lower * unit, upper * unit
 
-    def joint_text(self, joint):
+    def unit_of(self, prim):
+        """Radians or metres of one unit of a joint."""
+        return math.pi / 180 if prim.GetTypeName() == "PhysicsRevoluteJoint" else self.units
+
+    def mimic(self, joint, names):
+        """What a NewtonMimicAPI says: value = coef0 + coef1 * value of the other, in units of the stage. names: of joints by path."""
+        if "NewtonMimicAPI" not in self.schemas(joint.prim):
+            return ""
+        path, relation = joint.prim.GetPath(), joint.prim.GetRelationship("newton:mimicJoint")
+        targets = relation.GetTargets() if relation else []
+        other = self.stage.GetPrimAtPath(targets[0]) if len(targets) == 1 else None
+        if not other or other.GetPath() not in names or other.GetPath() == path or other.GetTypeName() == "PhysicsFixedJoint":
+            raise self.problem(path, "follows none of the joints that move: newton:mimicJoint", "name one, or take NewtonMimicAPI off it")
+        if other.GetTypeName() != joint.prim.GetTypeName():
+            raise self.problem(path, f"follows {other.GetPath()}, a joint of another kind, by a factor without a unit",
+                "let it follow one of its own kind, or take NewtonMimicAPI off it")
+        offset, factor = (joint.prim.GetAttribute("newton:mimicCoef" + number) for number in "01")
+        offset = offset.Get() if offset and offset.Get() is not None else 0.0
+        factor = factor.Get() if factor and factor.Get() is not None else 1.0
+        return (f'<mimic joint={quoteattr(names[other.GetPath()])} multiplier="{float(factor)!r}" ' +
+            f'offset="{float(offset) * self.unit_of(joint.prim)!r}"/>')
+
+    def joint_text(self, joint, names):
         """The joint, and where its child is not in its frame, a link between."""
         def text(name, kind, parent, child, frame, more=""):
             return (f'<joint name={quoteattr(name)} type="{kind}"><parent link={quoteattr(parent)}/><child link={quoteattr(child)}/>' +
@@ -263,12 +287,11 @@ class _Stage:
         if joint.prim.GetTypeName() == "PhysicsFixedJoint":
             return text(joint.name, "fixed", joint.parent, joint.child, joint.frame @ rest)
         kind, axis, lower, upper = self.limits(joint)
-        velocity = joint.prim.GetAttribute("physxJoint:maxJointVelocity")
-        velocity = velocity.Get() if velocity and velocity.HasAuthoredValue() else None
-        unit = self.units if kind == "prismatic" else math.pi / 180
-        speed = f' velocity="{velocity * unit!r}"' if velocity and 0 < velocity < 1e30 else ""
+        speeds = [attribute.Get() for attribute in map(joint.prim.GetAttribute, ("newton:velocityLimit", "physxJoint:maxJointVelocity")) if attribute]
+        speeds = [speed * self.unit_of(joint.prim) for speed in speeds if speed is not None and 0 < speed < 1e30]
+        speed = f' velocity="{min(speeds)!r}"' if speeds else ""
         bounds = f' lower="{lower!r}" upper="{upper!r}"' if kind != "continuous" else ""
-        more = f'<axis xyz="{_numbers(axis)}"/>' + (f"<limit{bounds}{speed}/>" if bounds or speed else "")
+        more = f'<axis xyz="{_numbers(axis)}"/>' + (f"<limit{bounds}{speed}/>" if bounds or speed else "") + self.mimic(joint, names)
         if numpy.array_equal(rest, numpy.eye(4)):
             return text(joint.name, kind, joint.parent, joint.child, joint.frame, more)
         between = joint.name + "/moved"
@@ -358,10 +381,8 @@ class _Stage:
             face = indices[start:start + count] + 1
             lines += [f"f {face[0]} {face[i]} {face[i + 1]}" for i in range(1, count - 1)]
             start += count
-        name = re.sub(r"[^A-Za-z0-9_]", "_", str(path).strip("/")) + ".obj"
-        while name in self.files:
-            name = "_" + name
-        self.files.add(name)
+        name = f"{len(self.files) + 1}_{re.sub('[^A-Za-z0-9_]', '_', prim.GetName())[:100]}.obj"
+        self.files.append(name)
         (folder / "meshes").mkdir(parents=True, exist_ok=True)
         (folder / "meshes" / name).write_text("\n".join(lines) + "\n")
         return f'<collision><geometry><mesh filename="meshes/{name}"/></geometry></collision>'
@@ -378,8 +399,9 @@ class _Stage:
             name = quoteattr(self.links[path] + "/fixed")
             text += (f'<joint name={name} type="fixed"><parent link="{WORLD}"/><child link={quoteattr(self.links[path])}/>' +
                 f"{_origin(self.pose_of(path))}</joint>\n")
+        names = {joint.prim.GetPath(): joint.name for joint in joints}
         for joint in joints:
-            text += self.joint_text(joint)
+            text += self.joint_text(joint, names)
         urdf = folder / "robot.urdf"
         urdf.write_text(text + "</robot>\n", encoding="utf-8")
         return Converted(str(urdf), self.notices)

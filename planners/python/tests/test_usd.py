@@ -11,7 +11,7 @@ import leeway
 if os.environ.get("LEEWAY_PYTHON_EXTRAS") != "required":
     pytest.importorskip("pxr")
 from leeway import usd  # noqa: E402
-from pxr import Gf, Usd, UsdGeom, UsdPhysics  # noqa: E402
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics  # noqa: E402
 
 
 def turn(axis, angle):
@@ -119,6 +119,47 @@ def test_limits_are_radians_and_metres(tmp_path):
     assert numpy.allclose(robot.lower[:2], [-math.pi / 2, 0]) and numpy.allclose(robot.upper[:2], [math.pi / 4, 0.5])
     made = usd.to_urdf(stage, tmp_path / "out")
     assert made.notices == [] and leeway.Robot(made.urdf).variables == robot.variables
+
+
+def test_joints_that_follow_others():
+    stage = new_stage(0.01)
+    for i in range(3):
+        add_body(stage, f"/robot/l{i}")
+    add_joint(stage, "Revolute", "/robot/turn", "/robot/l0", "/robot/l1")
+    add_joint(stage, "Revolute", "/robot/second", "/robot/l1", "/robot/l2")
+    second = stage.GetPrimAtPath("/robot/second")
+    second.SetMetadata("apiSchemas", Sdf.TokenListOp.Create(prependedItems=["NewtonMimicAPI"]))
+    second.CreateRelationship("newton:mimicJoint").SetTargets(["/robot/turn"])
+    second.CreateAttribute("newton:mimicCoef0", Sdf.ValueTypeNames.Float).Set(10)
+    second.CreateAttribute("newton:mimicCoef1", Sdf.ValueTypeNames.Float).Set(-2)
+    robot = usd.load(stage)
+    assert robot.variables == ["turn"]
+    turned = pose_of(robot, [math.pi / 6], "l2")[:3, :3]  # 30 + 10 - 60 degrees
+    assert numpy.allclose(turned, turn((0, 0, 1), math.radians(-20))[:3, :3])
+    second.GetRelationship("newton:mimicJoint").SetTargets(["/robot/l0"])
+    with pytest.raises(leeway.InputError, match="/robot/second: follows none of the joints that move"):
+        usd.load(stage)
+    add_body(stage, "/robot/l3")
+    add_joint(stage, "Prismatic", "/robot/slide", "/robot/l2", "/robot/l3", limits=(-1, 1))
+    second.GetRelationship("newton:mimicJoint").SetTargets(["/robot/slide"])
+    with pytest.raises(leeway.InputError, match="/robot/second: follows /robot/slide, a joint of another kind"):
+        usd.load(stage)
+
+
+def test_names_of_links_and_joints_are_those_that_users_see(tmp_path):
+    stage, path = new_stage(), "/robot"
+    for i in range(30):  # bodies in bodies: paths of 600 letters
+        path += f"/arm_of_a_long_name_{i}"
+        body = add_body(stage, path, shape=False)
+    mesh = UsdGeom.Mesh.Define(stage, path + "/shape")
+    mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (0, 1, 0)])
+    mesh.CreateFaceVertexCountsAttr([3])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+    UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
+    body.GetPrim().SetDisplayName("hand.left")
+    add_joint(stage, "Revolute", "/robot/arm_of_a_long_name_3", "/robot/arm_of_a_long_name_0", path)
+    robot = usd.load(stage)
+    assert "hand.left" in robot.links and "arm_of_a_long_name_3" in robot.links and robot.variables == ["arm_of_a_long_name_3"]
 
 
 def test_shapes_with_scales_and_axes():
