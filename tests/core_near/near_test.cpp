@@ -85,6 +85,7 @@ void expectAllPairs( const EdgeWorld& world, EdgeAuditor& auditor, const NearRow
 		EXPECT_TRUE( clearance <= 0 || row->second->clearance.upper >= clearance - 1e-9 );
 		EXPECT_LE( near.links[a], row->second->clearance.lower );
 		EXPECT_GE( clearance + 1e-9, std::min( distance, near.links[a] ) );
+		EXPECT_TRUE( !self || clearance + 1e-9 >= std::min( distance, near.links[b] ) );
 	};
 	for ( std::uint32_t a = 0; a < links; ++a )
 	{

@@ -67,6 +67,25 @@ lw_shape* twoTips( double more )
 	return meshOf( vertices, { 0, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2, 4, 5, 6, 4, 6, 7, 4, 7, 5, 5, 7, 6 } );
 }
 
+/// A row of tetrahedra, lower the nearer they are to its middle; the last tip is lower than the first by `less`.
+lw_shape* rowOfTips( double less )
+{
+	std::vector<double> vertices;
+	std::vector<std::uint32_t> indices;
+	const int count = 64;
+	for ( int i = 0; i < count; ++i )
+	{
+		const double x = 0.5 * i, top = i == 0 ? 0 : i == count - 1 ? -less : -0.2;
+		const auto first = static_cast<std::uint32_t>( vertices.size() / 3 );
+		vertices.insert( vertices.end(), { x, 0, top, x - 0.1, -0.1, -1, x + 0.1, -0.1, -1, x, 0.1, -1 } );
+		for ( const std::uint32_t k : { 0, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2 } )
+		{
+			indices.push_back( first + k );
+		}
+	}
+	return meshOf( vertices, indices );
+}
+
 const std::array<double, 3> straight = { 0, 0, 0 }, tilted = { 0.4, 0.3, 0.2 };
 
 TEST( NearTies, ParallelFacesAreTied )
@@ -106,6 +125,21 @@ TEST( NearTies, TwoTipsAtOneHeightAreTied )
 	EXPECT_EQ( LW_DIRECTION_UNIQUE, directionOf( primitive( LW_SHAPE_BOX, 4, 4, 2 ), above, straight, twoTips( 1e-3 ) ) );
 	EXPECT_EQ( LW_DIRECTION_TIED, directionOf( cube( 4 ), above, straight, twoTips( 1e-3 ), 2e-3 ) );
 	EXPECT_EQ( LW_DIRECTION_UNIQUE, directionOf( cube( 4 ), above, straight, twoTips( 1e-3 ) ) );
+}
+
+TEST( NearTies, ATipThatIsFartherWithinTheWidthIsFound )
+{
+	const std::array<double, 3> above = { 16, 0, 3 };
+	for ( const double width : { 1e-2, 1e-3 } )
+	{
+		EXPECT_EQ(
+		    LW_DIRECTION_TIED, directionOf( cube( 40 ), { 16, 0, 20.5 }, straight, rowOfTips( 0.9 * width ), width ) );
+		EXPECT_EQ(
+		    LW_DIRECTION_UNIQUE, directionOf( cube( 40 ), { 16, 0, 20.5 }, straight, rowOfTips( 1.1 * width ), width ) );
+	}
+	const auto beam = [] { return primitive( LW_SHAPE_BOX, 40, 1, 1 ); };
+	EXPECT_EQ( LW_DIRECTION_TIED, directionOf( beam(), above, straight, rowOfTips( 9e-4 ), 1e-3 ) );
+	EXPECT_EQ( LW_DIRECTION_UNIQUE, directionOf( beam(), above, straight, rowOfTips( 1.1e-3 ), 1e-3 ) );
 }
 
 TEST( NearTies, AreNotSaidUnlessAskedFor )
