@@ -49,7 +49,7 @@ struct CommonOptions
 	double cache_limit = 1e-6 * double( io::default_cache_limit ); ///< megabytes
 	std::vector<std::string> input_limits;                         ///< NAME=N
 	bool visual = false, strict = false;
-	bool all_pairs = false; ///< of commands about all pairs of links: --strict without its notice
+	bool all_pairs = false;                ///< of commands about all pairs of links: --strict without its notice
 	std::string missing_meshes = "refuse"; ///< or skip
 	bool verbose = false;
 	bool no_cache = false;
