@@ -122,18 +122,20 @@ lw_check_flags CommonOptions::checkFlags() const
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs )
 {
 	const std::string model = "Model";
-	CLI::Option* robot = app.add_option( "--robot", options.robot, "robot description: URDF, MJCF, xacro or SDF" )
-	                         ->type_name( "R.urdf" )
-	                         ->group( model );
+	CLI::Option* robot =
+	    app.add_option( "--robot", options.robot, "robot description: URDF, MJCF, SDF, or xacro with its NAME:=VALUE" )
+	        ->type_name( "R.urdf" )
+	        ->group( model );
 	if ( needs.robot )
 	{
 		robot->required();
 	}
 	app.validate_positionals(); // other words are unexpected, as if there were no positional argument
-	app.add_option( "xacro", options.xacro_arguments, "arguments of the xacro file that --robot names" )
-	    ->type_name( "NAME:=VALUE" )
-	    ->check( CLI::Validator(
-	        []( const std::string& word ) { return tools::isXacroArgument( word ) ? "" : "is not NAME:=VALUE"; }, "" ) );
+	rare( app.add_option( "xacro", options.xacro_arguments, "arguments of the xacro file that --robot names" )
+	          ->type_name( "NAME:=VALUE" )
+	          ->check( CLI::Validator( []( const std::string& word )
+	              { return tools::isXacroArgument( word ) ? "" : "is not NAME:=VALUE"; },
+	              "" ) ) );
 	app.add_option( "--srdf", options.srdf, "groups and pairs of links that may touch" )
 	    ->type_name( "S.srdf" )
 	    ->group( model );
