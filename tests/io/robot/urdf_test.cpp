@@ -124,7 +124,6 @@ TEST_F( UrdfTest, VisualGeometryIsNeverUsedSilently )
 
 TEST_F( UrdfTest, ShapesOfSizeZeroAreRefused )
 {
-	const std::string box = "<collision><geometry><box size=\"1 1 1\"/></geometry></collision>";
 	const RobotModel model =
 	    load( linkXml( "a", "<collision><geometry><box size=\"0 0 0\"/></geometry></collision>" + box ) +
 	          linkXml( "b", "<collision><geometry><sphere radius=\"0.0\"/></geometry></collision>"
