@@ -236,6 +236,11 @@ double PairPeer::largestShapeError() const
 	return robot + all;
 }
 
+PlacedPair PairPeer::placedPair( std::uint32_t a, std::uint32_t b ) const
+{
+	return { m_bodies[a].shape, m_bodies[b].shape, m_bodies[a].world_from_shape, m_bodies[b].world_from_shape };
+}
+
 std::vector<PlacedPair> PairPeer::placedPairs( bool self ) const
 {
 	std::vector<PlacedPair> out;
@@ -243,8 +248,7 @@ std::vector<PlacedPair> PairPeer::placedPairs( bool self ) const
 	{
 		for ( const auto& [a, b] : pairs )
 		{
-			out.push_back(
-			    { m_bodies[a].shape, m_bodies[b].shape, m_bodies[a].world_from_shape, m_bodies[b].world_from_shape } );
+			out.push_back( placedPair( a, b ) );
 		}
 	};
 	add( self ? m_self_pairs : m_environment_pairs );
@@ -325,6 +329,44 @@ bool PairPeer::managedCollides()
 	m_engine->overlappingPairs( [&]( std::uint32_t a, std::uint32_t b )
 	    { return found = found || ( !isAllowed( a, b ) && m_engine->collides( a, b ) ); } );
 	return found;
+}
+
+std::vector<NearBodies> PairPeer::nearPairs( double bound )
+{
+	std::vector<NearBodies> out;
+	const auto ask = [&]( std::uint32_t a, std::uint32_t b )
+	{
+		const double distance = m_engine->distance( a, b, bound, 0 );
+		if ( distance < bound )
+		{
+			out.push_back( { a, b, std::max( 0.0, distance ) } );
+		}
+	};
+	m_heap.clear();
+	for ( const Pairs* pairs : { m_managers ? nullptr : &m_environment_pairs, &m_self_pairs } )
+	{
+		for ( std::size_t i = 0; pairs != nullptr && i < pairs->size(); ++i )
+		{
+			addCandidate( ( *pairs )[i].first, ( *pairs )[i].second, bound );
+		}
+	}
+	for ( const Candidate& candidate : m_heap )
+	{
+		ask( candidate.a, candidate.b );
+	}
+	if ( m_managers )
+	{
+		m_engine->nearPairs(
+		    [&]( std::uint32_t a, std::uint32_t b )
+		    {
+			    if ( !isAllowed( a, b ) )
+			    {
+				    ask( a, b );
+			    }
+			    return bound;
+		    } );
+	}
+	return out;
 }
 
 double PairPeer::selfDistance( double bound, double relative_error )

@@ -22,6 +22,13 @@ struct PlacedPair
 	lw_transform world_from_a, world_from_b;
 };
 
+/// Two bodies and their distance. Numbers: of the robot, in its order, then shapes of the scene.
+struct NearBodies
+{
+	std::uint32_t a, b;
+	double distance;
+};
+
 class PairPeer
 {
 public:
@@ -43,6 +50,9 @@ public:
 	bool environmentWithin( double margin );
 	bool environmentCollides();
 	double selfDistance( double bound, double relative_error = 0 );
+	/// All pairs that are nearer than the bound, environment and self: the engine is asked about each pair of near boxes, or, with
+	/// managers, about those of the environment that its broadphase finds.
+	std::vector<NearBodies> nearPairs( double bound );
 	bool selfWithin( double margin );
 	bool selfCollides();
 
@@ -54,10 +64,14 @@ public:
 
 	/// Pairs that count, at the last state posed, for brute force.
 	std::vector<PlacedPair> placedPairs( bool self ) const;
+	PlacedPair placedPair( std::uint32_t a, std::uint32_t b ) const;
+	/// Number of a shape of the scene.
+	std::uint32_t obstacle( std::uint32_t shape ) const { return m_robot_bodies + shape; }
 	/// PeerEngine::shapeError() of two bodies together, at most.
 	double largestShapeError() const;
 
 	std::size_t selfPairs() const { return m_self_pairs.size(); }
+	std::size_t environmentPairs() const { return m_environment_pairs.size(); }
 
 private:
 	using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;

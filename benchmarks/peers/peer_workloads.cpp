@@ -103,7 +103,7 @@ void runPeerWorkloads( const PeersSettings& settings, const std::vector<PeerLibr
 	{
 		runMeshes( settings, peers, report );
 	}
-	if ( wanted( 'B' ) || wanted( 'C' ) )
+	if ( wanted( 'B' ) || wanted( 'C' ) || wanted( 'F' ) )
 	{
 		std::vector<Subject> subjects;
 		std::unique_ptr<TemporaryFolder> kitchen;
@@ -121,7 +121,14 @@ void runPeerWorkloads( const PeersSettings& settings, const std::vector<PeerLibr
 			subjects.push_back( demoKitchen( kitchen->path() / "kitchen" ) );
 #endif
 		}
-		runRobots( settings, subjects, wanted( 'B' ), wanted( 'C' ), peers, report );
+		if ( wanted( 'B' ) || wanted( 'C' ) )
+		{
+			runRobots( settings, subjects, wanted( 'B' ), wanted( 'C' ), peers, report );
+		}
+		if ( wanted( 'F' ) )
+		{
+			runNear( settings, subjects, peers, report );
+		}
 	}
 	const Models models =
 	    own ? ownModels( settings )

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The work of the comparison (peers.hpp): A two meshes, B states of robots, C edges, D building, E growth.
+// The work of the comparison (peers.hpp): A two meshes, B states of robots, C edges, D building, E growth, F near pairs.
 #pragma once
 
 #include "support/edge_worlds.hpp"
@@ -29,6 +29,10 @@ struct Subject
 /// B and C, of all worlds that subjects add.
 void runRobots( const PeersSettings& settings, const std::vector<Subject>& subjects, bool states, bool edges,
     const std::vector<PeerLibrary>& peers, PeerReport& out );
+
+/// F, of all worlds that subjects add.
+void runNear( const PeersSettings& settings, const std::vector<Subject>& subjects, const std::vector<PeerLibrary>& peers,
+    PeerReport& out );
 
 /// Robot and scene that are built and refined.
 struct Models

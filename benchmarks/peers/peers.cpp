@@ -90,6 +90,10 @@ void PeerReport::add( const std::vector<PeerRow>& rows )
 		{
 			std::printf( "  %.0f bytes per triangle", row.bytes_per_triangle );
 		}
+		if ( row.pairs >= 0 )
+		{
+			std::printf( "  %.1f pairs, differ by at most %.1g m", row.pairs, row.largest_difference );
+		}
 		if ( row.disagreements > 0 )
 		{
 			std::printf(
@@ -123,7 +127,11 @@ void PeerReport::write( Result& result ) const
 		{
 			json["bytes_per_triangle"] = row.bytes_per_triangle;
 		}
-		if ( row.disagreements > 0 )
+		if ( row.pairs >= 0 )
+		{
+			json["pairs"] = row.pairs;
+		}
+		if ( row.disagreements > 0 || row.pairs >= 0 )
 		{
 			json["largest_difference_m"] = row.largest_difference;
 		}

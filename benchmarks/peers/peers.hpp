@@ -23,6 +23,7 @@ struct PeersSettings
 	double budget = 2;                  ///< seconds for pair proofs
 	bool no_tables = false;             ///< of pairs and motion hulls, for edges
 	std::vector<double> lengths{ 0.5 }; ///< of edges, radians
+	double distance = 0.05;             ///< of near pairs, metres
 	bool quick = false;
 };
 
@@ -61,6 +62,7 @@ struct PeerRow
 	std::size_t disagreements = 0;
 	double largest_difference = 0;      ///< metres, of distances
 	double bytes_per_triangle = 0;      ///< of builds
+	double pairs = -1;                  ///< near ones of a state, the mean; below 0: not asked for
 	std::vector<Disagreement> examined; ///< each of them
 };
 

@@ -35,10 +35,10 @@ void addPeers( Bench& bench )
 	const auto s = std::make_shared<PeersSettings>();
 	Command& command = bench.command( "peers",
 	    "leeway and every peer that is there at the same work: A two meshes, B states of robots, C edges,\n"
-	    "D building, E growth. Exit status 1 if brute force contradicts leeway somewhere." );
+	    "D building, E growth, F near pairs. Exit status 1 if brute force contradicts leeway somewhere." );
 	command.option( "--data", s->data, "folder with armar3, kit_kitchen and mbm" );
 	command.flag( "--quick", s->quick, "fewer states and scenes: some minutes" );
-	command.inputFile( "--robot", s->robot, "URDF: B to E about your own robot" );
+	command.inputFile( "--robot", s->robot, "URDF: B to F about your own robot" );
 	command.inputFile( "--srdf", s->srdf, "its SRDF" );
 	command.inputFile( "--scene", s->scene, "a planning scene" );
 	command.option( "--group", s->group, "that moves; may be \"torso+arm\"" );
@@ -48,6 +48,7 @@ void addPeers( Bench& bench )
 	command.option( "--repetitions", s->repetitions, "passes over the states", { 1, 1000 } );
 	command.option( "--budget", s->budget, "seconds for leeway's proofs of pairs, per robot", { 0 } );
 	command.option( "--lengths", s->lengths, "of the edges of C, radians: 0.1,0.5" );
+	command.option( "--distance", s->distance, "of the near pairs of F, metres", POSITIVE );
 	command.flag( "--no-tables", s->no_tables, "edges of C are proved without motion hulls and tables of pairs" );
 	command.option( "--seed", s->seed, "of states and edges" );
 	command.option( "--peer", s->modules, "a module with another library's engine (benchmarks/README.md)" );
