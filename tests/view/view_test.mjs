@@ -7,7 +7,7 @@ import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { Browser } from "./browser.mjs";
 import { blindDistance, legibility } from "./legible.mjs";
-import { DESK, GRID, SLIDE, deskPage, differing, file, leeway, random, read, table, withPage, write } from "./support.mjs";
+import { DESK, GRID, SLIDE, deskPage, differing, file, leeway, random, read, table, turningPage, withPage, write } from "./support.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const text = (tab, id) => tab.value(`document.getElementById("${id}").textContent`);
@@ -154,6 +154,25 @@ const tests = {
 		});
 	},
 
+	async PairsThatKeepTheirDistanceAreNamedBesideTheSmallestClearance() {
+		const page = turningPage();
+		await withPage(page, {}, async (tab) => {
+			assert.deepEqual(await tab.value("leeway.model.motion.apart.map((p) => [leeway.model.links[p.a], leeway.model.objects[p.b]])"), [["foot", "desk"], ["turret", "desk"]]);
+			const least = await tab.value(`document.getElementById("least").textContent`);
+			assert.match(least, /Smallest clearance, without 2 pairs that keep their distance \(foot – desk, turret – desk\)11\.27 mm/);
+			assert.match(await text(tab, "apart"), /foot – desk10\.00 mmturret – desk136\.00 mm/);
+			await tab.value(`document.getElementById("least").click()`);
+			assert.equal(await text(tab, "clearance"), "11.27 mm", "the state's number is that of the other pairs");
+			assert.match(await text(tab, "verdict-note"), /without 2 pairs that keep their distance/);
+			// The chart shows the others: the whole line is not the constant 10 mm
+			const heights = await tab.value(`new Set(document.querySelector("#chart .environment").getAttribute("points").split(" ").map((p) => p.split(",")[1])).size`);
+			assert.ok(heights > 50, `the line has ${heights} heights`);
+			// A pair that comes nearer than along the motion is shown again
+			await tab.value(`leeway.model.motion.apart[0].least = 0.011; leeway.update(null)`);
+			assert.equal(await text(tab, "clearance"), "10.00 mm");
+		});
+	},
+
 	async ATouchChoosesALink() {
 		await withPage(deskPage(), { width: 390, height: 844, touch: true }, async (tab) => {
 			const { x, y } = await tab.value(`(() => { const box = leeway.stage.links[0].bodies.children[0]; box.geometry.computeBoundingSphere();
@@ -169,7 +188,8 @@ const tests = {
 	},
 
 	async LiveClearancesAreThoseOfCheck() {
-		await liveAgainstCheck(deskPage(), [...DESK, "--group", "arm"], 100);
+		leeway(["view", ...DESK, "--group", "arm", "--out", "live.html"]); // without a motion no pair is set apart
+		await liveAgainstCheck(file("live.html"), [...DESK, "--group", "arm"], 100);
 		write("margins.yaml", "environment: 0.01\nlinks: {hand: 0.02}\nself: 0.005\n");
 		const model = [...DESK, "--group", "arm", "--margins", file("margins.yaml"), "--allow", "turret:desk"];
 		leeway(["view", ...model, "--out", "margins.html"]);
@@ -348,7 +368,8 @@ const tests = {
 			assert.equal(tab.state, "live");
 			const stepped = await tab.value("leeway.steps[5]"), at = stepped.at;
 			await tab.value(`(${SLIDE})("time", ${at})`);
-			assert.equal(await row(tab, "environment"), shown(stated(stepped.environment[0], stepped.environment[1])));
+			const environment = (stepped.others ?? stepped).environment;
+			assert.equal(await row(tab, "environment"), shown(stated(environment[0], environment[1])));
 			const frames = await tab.value(`new Promise((done) => { const begin = performance.now(), first = leeway.stage.frames; leeway.play(true); setTimeout(() => { leeway.play(false); done(1000 * (leeway.stage.frames - first) / (performance.now() - begin)); }, 3000); })`);
 			console.log(`${megabytes.toFixed(1)} MB; first picture after ${await tab.value("document.documentElement.dataset.picture")} ms; ${frames.toFixed(1)} frames per second in software`);
 			assert.ok(read("kitchen.html").includes("triangles are shown"), "the page says what it simplifies");

@@ -25,7 +25,7 @@ export class Chart {
 		this.svg = svg;
 		this.motion = model.motion;
 		this.min_d = model.min_d;
-		this.series = ["environment", "self"].map((name) => ({ name, values: this.motion.steps.map((step) => stated(clearanceOf(step[name]))) }));
+		this.series = ["environment", "self"].map((name) => ({ name, values: this.motion.steps.map((step) => stated(clearanceOf((step.others ?? step)[name]))) }));
 		const drag = (event) => {
 			const x = (event.clientX - svg.getBoundingClientRect().left - LEFT) / (this.width - LEFT - RIGHT);
 			const [first, last] = this.ends();
