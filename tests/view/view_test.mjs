@@ -173,6 +173,34 @@ const tests = {
 		});
 	},
 
+	async TheNearestPartIsMarkedInTheChartAndAlongThePath() {
+		await withPage(turningPage(), {}, async (tab) => {
+			const part = await tab.value(`(() => { const r = document.querySelector("#chart .nearest"), x = (n) => Number(r.getAttribute(n)), c = leeway.chart;
+				return leeway.steps.filter((s) => c.x(s.at) >= x("x") && c.x(s.at) <= x("x") + x("width")).map((s) => Math.min(...["environment", "self"].map((k) => s.others[k][0]))); })()`);
+			const all = await tab.value(`leeway.steps.map((s) => Math.min(...["environment", "self"].map((k) => s.others[k][0])))`);
+			const most = Math.min(...all) + 0.1 * (Math.max(...all) - Math.min(...all));
+			assert.ok(part.length > 2 && part.length < all.length / 2 && part.includes(Math.min(...all)), `${part.length} steps of ${all.length}`);
+			assert.ok(part.slice(2, -2).every((value) => value <= most), "no step of the marked part is far");
+			// The arm's middle at both ends of the path, from its angles: 0.1 m along the turret's x axis, then 0.25 m along the arm
+			const middle = (yaw, pitch) => [0.1 + 0.25 * Math.cos(pitch), 0.326 - 0.25 * Math.sin(pitch)].flatMap((v, i) => (i === 0 ? [v * Math.cos(yaw), v * Math.sin(yaw)] : [v]));
+			const ends = await tab.value(`(() => { const p = leeway.stage.motion.trace.children[0].geometry.parameters.path.points; return [p[0], p.at(-1)].map((v) => v.toArray()); })()`);
+			[middle(-1.2, 0.2), middle(1.2, 0.4)].forEach((expected, i) => expected.forEach((value, k) => assert.ok(Math.abs(value - ends[i][k]) < 1e-3, `end ${i} of the path: ${ends[i]}, expected ${expected}`)));
+			const red = await tab.value(`leeway.stage.motion.trace.children.filter((m) => m.material === leeway.stage.materials.nearest).length`);
+			assert.equal(red, 1, "a red part along the path");
+			assert.equal(await tab.value(`leeway.stage.motion.ghosts.children.length`), 4, "turret and arm at start and goal; the foot stands still");
+			// A drag in the chart moves the state along
+			const at = (share) => tab.value(`(() => { const r = document.getElementById("chart").getBoundingClientRect(); return { x: r.x + 60 + ${share} * (r.width - 68), y: r.y + 60 }; })()`);
+			const [from, to] = [await at(0.2), await at(0.8)];
+			await tab.drag(from.x, from.y, to.x, to.y);
+			assert.ok(Math.abs(await tab.value("leeway.at") - 0.8) < 0.02, "the state follows the pointer");
+			await tab.picture();
+			const with_ghosts = await tab.value(GRID);
+			await tab.value(`[...document.querySelectorAll("#show label")].filter((l) => /Ghosts|Path/.test(l.textContent)).forEach((l) => l.querySelector("input").click())`);
+			await tab.picture();
+			assert.ok(differing(with_ghosts, await tab.value(GRID), 8) > 3, "both can be hidden");
+		});
+	},
+
 	async ATouchChoosesALink() {
 		await withPage(deskPage(), { width: 390, height: 844, touch: true }, async (tab) => {
 			const { x, y } = await tab.value(`(() => { const box = leeway.stage.links[0].bodies.children[0]; box.geometry.computeBoundingSphere();

@@ -6,6 +6,7 @@ import { Engine } from "./engine.js";
 import { between } from "./kinematics.js";
 import { makeChoices, makeJoints, makeNotes, pairNames, showAnswer } from "./panel.js";
 import { Stage } from "./stage.js";
+import { makeTrace } from "./trace.js";
 import { asideOf, describeApart, showApart } from "./apart.js";
 import { clearanceOf, element, length, place, stated, statement } from "./text.js";
 
@@ -241,6 +242,8 @@ class Page {
 		$("title").textContent = model.robot || "Robot";
 		$("subtitle").textContent = [model.scene, model.group_name === "" ? "" : `group ${model.group_name}`].filter((name) => name !== "").join(" · ");
 		$("scale").textContent = "Grid 0.5 m";
+		this.stage.pose(this.q);
+		this.stage.addTrace(makeTrace(this.stage, model, (q) => this.full(q)));
 		this.makeMotion();
 		this.joints = makeJoints(model, this.q, (i, value) => {
 			this.q[i] = value;
@@ -267,9 +270,9 @@ class Page {
 			document.body.dataset.picture = "";
 			this.stage.still = true;
 		}
-		for (const name of ["hulls", "spheres", "through"]) {
+		for (const name of ["hulls", "spheres", "through", "trace", "ghosts"]) {
 			if (given.has(name)) {
-				this.stage.show(name, true);
+				this.stage.show(name, given.get(name) !== "off");
 			}
 		}
 		const dark = given.get("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
