@@ -94,7 +94,8 @@ int runAudit( const AuditOptions& options )
 	if ( view.isWanted() )
 	{
 		Progress progress( "measuring the motion" );
-		ViewMotion motion = motionOfPath( bench.problem(), points, settings.flags, path.file, shownBy( progress ) );
+		ViewMotion motion =
+		    motionOfPath( { bench.problem(), settings.flags, settings.min_d, path.file, shownBy( progress ) }, points );
 		PageInput page = pageOf( input, bench.problem(), std::move( motion ), settings.flags );
 		page.min_d = settings.min_d;
 		page.source = options.path;

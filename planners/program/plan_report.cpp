@@ -115,7 +115,8 @@ PageInput planPage(
 	const std::string& file = input.request->file;
 	const io::Problem& problem = bench.problem();
 	Progress progress( "measuring the motion" );
-	ViewMotion motion = solution.solved ? motionOfPath( problem, solution.points, flags, file, shownBy( progress ) )
+	ViewMotion motion = solution.solved ? motionOfPath( { problem, flags, options.common.min_d, file, shownBy( progress ) },
+	                                          solution.points )
 	                                    : motionOfStates( problem, { io::startState( problem ) }, {}, flags, file );
 	PageInput page = pageOf( input, problem, std::move( motion ), flags );
 	page.min_d = options.common.min_d;

@@ -236,7 +236,8 @@ int runTrajectoryAudit( const AuditOptions& options )
 	{
 		const std::shared_ptr<const io::Problem> problem = driver.use( driver.shown_group );
 		PageInput page = pageOf( input, *problem,
-		    motionOfTrajectory( *problem, driver.all, settings.edge.flags, options.trajectory ), settings.edge.flags );
+		    motionOfTrajectory( { *problem, settings.edge.flags, settings.edge.min_d, options.trajectory }, driver.all ),
+		    settings.edge.flags );
 		page.min_d = settings.edge.min_d;
 		page.source = options.trajectory;
 		page.notes = driver.whole().problems;

@@ -88,16 +88,23 @@ std::vector<std::vector<double>> statesOf(
 	return states;
 }
 
+/// The required clearance: of the options, else of the path.
+double requiredOf( const Source& source, const ViewOptions& options )
+{
+	return options.common.min_d_given || !source.path ? options.common.min_d : source.path->min_d;
+}
+
 ViewMotion motionOf(
     const Source& source, const ViewOptions& options, const Input& input, Workbench& bench, Notices& notices )
 {
 	const lw_check_flags flags = options.common.checkFlags();
 	const io::Problem& problem = bench.problem();
 	Progress progress( "measuring the motion" );
+	const Measuring how = { problem, flags, requiredOf( source, options ), source.file, shownBy( progress ) };
 	if ( source.path )
 	{
 		notices.add( "keys of the path", source.path->notices );
-		return motionOfPath( problem, groupPoints( *source.path, problem ), flags, source.file, shownBy( progress ) );
+		return motionOfPath( how, groupPoints( *source.path, problem ) );
 	}
 	if ( !source.trajectories.empty() )
 	{
@@ -117,7 +124,7 @@ ViewMotion motionOf(
 		{
 			notices.add( "problems of the trajectory", text );
 		}
-		return motionOfTrajectory( problem, segments, flags, source.file, shownBy( progress ) );
+		return motionOfTrajectory( how, segments );
 	}
 	if ( source.states )
 	{
@@ -148,7 +155,7 @@ int runView( const ViewOptions& options )
 	(void)prepare( bench.checker() ); // a mesh that cannot be made ends the first state that needs it
 	ViewMotion motion = motionOf( source, options, input, bench, notices );
 	PageInput page = pageOf( input, bench.problem(), std::move( motion ), options.common.checkFlags() );
-	page.min_d = options.common.min_d_given || !source.path ? options.common.min_d : source.path->min_d;
+	page.min_d = requiredOf( source, options );
 	page.triangles = options.triangles;
 	page.live = !options.stored;
 	page.source = source.file;

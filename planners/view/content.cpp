@@ -102,13 +102,13 @@ Json touchingJson( const PageInput& page, const ViewStep& step )
 	return json;
 }
 
-/// For each pair that is the nearest at some step: the step at which it is nearest.
+/// For each pair that is the nearest at some step, without those that are set apart: the step at which it is nearest.
 Json closestPairs( const ViewMotion& motion )
 {
 	std::map<std::tuple<int, std::uint32_t, std::uint32_t>, std::pair<double, std::size_t>> least;
 	for ( std::size_t i = 0; i < motion.steps.size(); ++i )
 	{
-		const lw_state_result& r = motion.steps[i].result;
+		const lw_state_result& r = motion.steps[i].others;
 		for ( const lw_clearance* c : { &r.environment, &r.self } )
 		{
 			if ( std::isfinite( c->upper ) && c->a != LW_INVALID_INDEX && c->b != LW_INVALID_INDEX )
@@ -140,6 +140,13 @@ Json closestPairs( const ViewMotion& motion )
 	return json;
 }
 
+Json stateJson( const lw_checker* checker, const lw_state_result& r )
+{
+	const lw_clearance &e = r.environment, &s = r.self;
+	return { { "environment", clearanceJson( e, lw_checker_environment_margin( checker, e.a, e.b ) ) },
+	    { "self", clearanceJson( s, lw_checker_self_margin( checker, s.a, s.b ) ) } };
+}
+
 Json motionJson( const PageInput& page )
 {
 	static const char* const units[] = { "none", "seconds", "share", "state" };
@@ -147,10 +154,13 @@ Json motionJson( const PageInput& page )
 	Json steps = Json::array();
 	for ( const ViewStep& step : page.motion.steps )
 	{
-		const lw_clearance &e = step.result.environment, &s = step.result.self;
-		Json json = { { "at", step.at }, { "q", step.q },
-		    { "environment", clearanceJson( e, lw_checker_environment_margin( checker, e.a, e.b ) ) },
-		    { "self", clearanceJson( s, lw_checker_self_margin( checker, s.a, s.b ) ) } };
+		Json json = stateJson( checker, step.result );
+		json["at"] = step.at;
+		json["q"] = step.q;
+		if ( !page.motion.apart.empty() )
+		{
+			json["others"] = stateJson( checker, step.others );
+		}
 		if ( const Json touching = touchingJson( page, step ); !touching.empty() )
 		{
 			json["touching"] = touching;
@@ -165,7 +175,13 @@ Json motionJson( const PageInput& page )
 		}
 		steps.push_back( std::move( json ) );
 	}
-	return { { "unit", units[static_cast<int>( page.motion.unit )] }, { "steps", steps },
+	Json apart = Json::array();
+	for ( const ApartPair& pair : page.motion.apart )
+	{
+		apart.push_back( { { "self", pair.pair.self ? 1 : 0 }, { "a", pair.pair.a }, { "b", pair.pair.b },
+		    { "least", pair.least }, { "most", pair.most } } );
+	}
+	return { { "unit", units[static_cast<int>( page.motion.unit )] }, { "steps", steps }, { "apart", apart },
 	    { "least", leastStep( page.motion ) }, { "pairs", closestPairs( page.motion ) }, { "source", page.source } };
 }
 

@@ -9,7 +9,7 @@ namespace leeway::view
 namespace
 {
 
-constexpr double engine_format = 1;
+constexpr double engine_format = 2;
 constexpr std::size_t most_blob_bytes = std::size_t( 48 ) << 20; // before compression
 
 class Numbers
@@ -173,6 +173,11 @@ void addEngine( const PageInput& page, const ShapeList& shapes, PageContent& con
 	putRobot( page, shapes, numbers );
 	putScene( page.problem.scene.get(), shapes, numbers );
 	putChecker( page.problem, numbers );
+	numbers.put( page.motion.apart.size() );
+	for ( const ApartPair& apart : page.motion.apart )
+	{
+		numbers.put( apart.pair.self ? 1 : 0, apart.pair.a, apart.pair.b );
+	}
 	content.numbers = std::move( numbers ).all();
 }
 

@@ -59,16 +59,16 @@ else()
     file(GLOB headers CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/core/src/*/*.h" "${CMAKE_SOURCE_DIR}/core/include/leeway/*.h")
     # An object for each room: after a change of one file only its room is compiled again
     set(objects "")
-    foreach(room base simd shape distance robot scene query reachability checker motion blob)
+    foreach(room base simd shape distance robot scene query reachability checker near motion blob)
       file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/core/src/${room}/*.c")
       set(object "${CMAKE_CURRENT_BINARY_DIR}/view/${room}.o")
       add_custom_command(OUTPUT "${object}" COMMAND "${LEEWAY_EMCC}" -r ${flags} ${sources} -o "${object}" DEPENDS ${sources} ${headers}
         COMMENT "WebAssembly: ${room}" VERBATIM)
       list(APPEND objects "${object}")
     endforeach()
-    set(own "${view}/engine/engine.c" "${view}/engine/touching.c")
+    set(own "${view}/engine/engine.c" "${view}/engine/apart.c" "${view}/engine/touching.c")
     add_custom_command(OUTPUT "${engine}" COMMAND "${LEEWAY_EMCC}" ${flags} ${own} ${objects} -sALLOW_MEMORY_GROWTH=1 -sSTANDALONE_WASM=1
-      --no-entry -o "${engine}" DEPENDS ${objects} ${own} "${view}/engine/touching.h" ${headers} COMMENT "WebAssembly: the engine" VERBATIM)
+      --no-entry -o "${engine}" DEPENDS ${objects} ${own} "${view}/engine/apart.h" "${view}/engine/touching.h" ${headers} COMMENT "WebAssembly: the engine" VERBATIM)
   endif()
   file(GLOB page CONFIGURE_DEPENDS "${view}/page/*")
   add_custom_command(OUTPUT "${made}" "${CMAKE_CURRENT_BINARY_DIR}/view/page.html"

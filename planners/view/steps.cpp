@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
+#include <optional>
 
 namespace leeway::view
 {
@@ -17,6 +19,7 @@ constexpr std::size_t equal_steps = 400;   // of a motion
 constexpr std::size_t most_corners = 1600; // beyond these, corners between the equal steps are left out
 constexpr int refinements = 12;            // halvings around the least clearance
 constexpr std::size_t refined_minima = 8;  // the lowest local minima
+constexpr int most_rounds = 12;            // of setting pairs apart
 
 using StateAt = std::function<std::vector<double>( double )>;
 
@@ -24,24 +27,48 @@ using StateAt = std::function<std::vector<double>( double )>;
 class Meter
 {
 public:
-	Meter( const io::Problem& problem, lw_check_flags flags, const std::string& file )
-	    : m_checker( problem.checker.get() ), m_flags( flags ), m_file( file ), m_query( makeQuery( m_checker ) )
-	{
-	}
+	explicit Meter( const Measuring& how ) : m_how( how ), m_query( makeQuery( how.problem.checker.get() ) ) {}
 	ViewStep measured( double at, const std::vector<double>& q ) const
 	{
 		ViewStep step;
 		step.at = at;
 		step.q = q;
-		step.result = measure( m_checker, m_query.get(), q, m_flags, nullptr, m_file, "a state of the motion" );
+		step.result = measure(
+		    m_how.problem.checker.get(), m_query.get(), q, m_how.flags, nullptr, m_how.file, "a state of the motion" );
+		step.others = m_others ? m_others->measured( q, m_how.flags ) : step.result;
 		return step;
+	}
+	/// Sets pairs apart until the nearest of the others changes its distance.
+	void setApart( ViewMotion& motion )
+	{
+		for ( int round = 0; round < most_rounds; ++round )
+		{
+			std::vector<SeenState> seen;
+			for ( const ViewStep& step : motion.steps )
+			{
+				seen.push_back( { &step.q, &step.others } );
+			}
+			const std::vector<ApartPair> more = keepingDistance( m_how.problem, seen, m_how.min_d, m_how.file );
+			if ( more.empty() )
+			{
+				return;
+			}
+			motion.apart.insert( motion.apart.end(), more.begin(), more.end() );
+			std::vector<lwv_pair> pairs;
+			std::transform( motion.apart.begin(), motion.apart.end(), std::back_inserter( pairs ),
+			    []( const ApartPair& apart ) { return apart.pair; } );
+			m_others.emplace( m_how.problem.checker.get(), pairs, m_how.file );
+			for ( ViewStep& step : motion.steps )
+			{
+				step.others = m_others->measured( step.q, m_how.flags );
+			}
+		}
 	}
 
 private:
-	const lw_checker* m_checker;
-	lw_check_flags m_flags;
-	const std::string& m_file;
+	const Measuring& m_how;
 	Query m_query;
+	std::optional<Others> m_others; // without the pairs that are set apart
 };
 
 /// Searches between the neighbours of a local minimum for a smaller clearance, by golden section; the best step found.
@@ -53,7 +80,7 @@ ViewStep refined( const Meter& meter, const StateAt& state_at, double low, doubl
 		const bool right = high - best.at > best.at - low;
 		const double at = right ? best.at + golden * ( high - best.at ) : best.at - golden * ( best.at - low );
 		ViewStep step = meter.measured( at, state_at( at ) );
-		const bool better = leastClearance( step.result ) < leastClearance( best.result );
+		const bool better = leastClearance( step.others ) < leastClearance( best.others );
 		( better == right ? low : high ) = better ? best.at : at;
 		if ( better )
 		{
@@ -67,7 +94,7 @@ ViewStep refined( const Meter& meter, const StateAt& state_at, double low, doubl
 void refine( const Meter& meter, const StateAt& state_at, std::vector<ViewStep>& steps )
 {
 	std::vector<std::size_t> minima;
-	const auto clearance = [&]( std::size_t i ) { return leastClearance( steps[i].result ); };
+	const auto clearance = [&]( std::size_t i ) { return leastClearance( steps[i].others ); };
 	for ( std::size_t i = 0; i < steps.size(); ++i )
 	{
 		const bool low = ( i == 0 || clearance( i ) <= clearance( i - 1 ) ) &&
@@ -95,9 +122,10 @@ void refine( const Meter& meter, const StateAt& state_at, std::vector<ViewStep>&
 }
 
 /// Equal steps from 0 to `end`, and the corners.
-ViewMotion sampled( const Meter& meter, const StateAt& state_at, double end, const std::vector<double>& corners,
-    StepUnit unit, const ProgressFunction& progress )
+ViewMotion sampled(
+    const Measuring& how, const StateAt& state_at, double end, const std::vector<double>& corners, StepUnit unit )
 {
+	Meter meter( how );
 	std::vector<double> places;
 	for ( std::size_t i = 0; i <= equal_steps; ++i )
 	{
@@ -114,8 +142,9 @@ ViewMotion sampled( const Meter& meter, const StateAt& state_at, double end, con
 	for ( const double place : places )
 	{
 		motion.steps.push_back( meter.measured( place, state_at( place ) ) );
-		report( progress, "measuring the motion for the page", double( motion.steps.size() ) / double( places.size() ) );
+		report( how.progress, "measuring the motion for the page", double( motion.steps.size() ) / double( places.size() ) );
 	}
+	meter.setApart( motion );
 	refine( meter, state_at, motion.steps );
 	return motion;
 }
@@ -133,9 +162,9 @@ double leastClearance( const lw_state_result& result )
 	return least;
 }
 
-ViewMotion motionOfPath( const io::Problem& problem, const std::vector<std::vector<double>>& points, lw_check_flags flags,
-    const std::string& file, const ProgressFunction& progress )
+ViewMotion motionOfPath( const Measuring& how, const std::vector<std::vector<double>>& points )
 {
+	const io::Problem& problem = how.problem;
 	std::vector<double> begin = { 0 };
 	for ( std::size_t i = 0; i + 1 < points.size(); ++i )
 	{
@@ -144,7 +173,7 @@ ViewMotion motionOfPath( const io::Problem& problem, const std::vector<std::vect
 	const double whole = begin.back();
 	if ( !( whole > 0 ) )
 	{
-		return motionOfStates( problem, { points.front() }, {}, flags, file );
+		return motionOfStates( problem, { points.front() }, {}, how.flags, how.file );
 	}
 	for ( double& place : begin )
 	{
@@ -160,11 +189,10 @@ ViewMotion motionOfPath( const io::Problem& problem, const std::vector<std::vect
 		lw_robot_interpolate( problem.robot.get(), from.data(), to.data(), t, full.data() );
 		return groupState( problem, full );
 	};
-	return sampled( Meter( problem, flags, file ), state_at, 1, begin, StepUnit::share, progress );
+	return sampled( how, state_at, 1, begin, StepUnit::share );
 }
 
-ViewMotion motionOfTrajectory( const io::Problem& problem, const std::vector<Segment>& segments, lw_check_flags flags,
-    const std::string& file, const ProgressFunction& progress )
+ViewMotion motionOfTrajectory( const Measuring& how, const std::vector<Segment>& segments )
 {
 	std::vector<double> corners;
 	corners.reserve( segments.size() );
@@ -174,14 +202,14 @@ ViewMotion motionOfTrajectory( const io::Problem& problem, const std::vector<Seg
 	}
 	const double end = segments.back().begin + segments.back().seconds;
 	return sampled(
-	    Meter( problem, flags, file ), [&]( double time ) { return stateAt( segments, time ); }, end, corners,
-	    StepUnit::seconds, progress );
+	    how, [&]( double time ) { return stateAt( segments, time ); }, end, corners, StepUnit::seconds );
 }
 
 ViewMotion motionOfStates( const io::Problem& problem, const std::vector<std::vector<double>>& states,
     const std::vector<std::string>& labels, lw_check_flags flags, const std::string& file )
 {
-	const Meter meter( problem, flags, file );
+	const Measuring how = { problem, flags, 0, file };
+	const Meter meter( how );
 	ViewMotion motion;
 	motion.unit = states.size() > 1 ? StepUnit::state : StepUnit::none;
 	for ( std::size_t i = 0; i < states.size(); ++i )
@@ -197,7 +225,7 @@ std::size_t leastStep( const ViewMotion& motion )
 	std::size_t best = 0;
 	for ( std::size_t i = 1; i < motion.steps.size(); ++i )
 	{
-		best = leastClearance( motion.steps[i].result ) < leastClearance( motion.steps[best].result ) ? i : best;
+		best = leastClearance( motion.steps[i].others ) < leastClearance( motion.steps[best].others ) ? i : best;
 	}
 	return best;
 }

@@ -152,6 +152,12 @@ export class Tab {
 		}
 	}
 
+	async drag(from_x, from_y, to_x, to_y) {
+		for (const [type, x, y] of [["mousePressed", from_x, from_y], ["mouseMoved", (from_x + to_x) / 2, (from_y + to_y) / 2], ["mouseMoved", to_x, to_y], ["mouseReleased", to_x, to_y]]) {
+			await this.send("Input.dispatchMouseEvent", { type, x, y, button: "left", buttons: type === "mouseReleased" ? 0 : 1, clickCount: 1 });
+		}
+	}
+
 	async tap(x, y) {
 		await this.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: [{ x, y }] });
 		await this.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });

@@ -76,6 +76,38 @@ TEST_F( CliView, TheSmallestClearanceOfAMotionIsFoundBetweenItsSteps )
 	EXPECT_EQ( least["environment"][0], smallest );
 }
 
+TEST_F( CliView, PairsThatKeepTheirDistanceAreSetApartFromTheSmallestClearance )
+{
+	// Without its SRDF's pairs: the upper arm turns over the base, 125 mm above it, nearer than all other links
+	std::string open = readFile( path( "arm.srdf" ) );
+	open.erase( open.find( "<disable_collisions link1=\"base\"" ),
+	    open.find( "<disable_collisions link1=\"upper\"" ) - open.find( "<disable_collisions link1=\"base\"" ) );
+	write( "open.srdf", open );
+	write( "t.csv", "time,shoulder,elbow\n0,-0.5,0\n1,-0.3,0.9\n2,-0.5,2.6\n" );
+	const auto page = [&]( const std::string& srdf, const std::vector<std::string>& more )
+	{
+		std::vector<std::string> arguments = {
+		    "view", "--robot", "arm.urdf", "--srdf", srdf, "--trajectory", "t.csv", "--out", "page.html" };
+		arguments.insert( arguments.end(), more.begin(), more.end() );
+		const Outcome outcome = run( arguments );
+		EXPECT_EQ( outcome.status, 0 ) << outcome.err;
+		return model( "page.html" )["motion"];
+	};
+	const nlohmann::json motion = page( "open.srdf", {} );
+	ASSERT_EQ( motion["apart"].size(), 1U ) << motion["apart"];
+	EXPECT_EQ( motion["apart"][0]["self"], 1 );
+	EXPECT_NEAR( motion["apart"][0]["least"].get<double>(), 0.125, 1e-9 );
+	EXPECT_NEAR( motion["apart"][0]["most"].get<double>(), 0.125, 1e-9 );
+	const nlohmann::json least = motion["steps"][motion["least"].get<std::size_t>()];
+	EXPECT_NEAR( least["self"][0].get<double>(), 0.125, 1e-9 ) << "the state's own answer is whole";
+	// The same with the SRDF that allows this pair: independent of how the page leaves it out
+	const nlohmann::json allowed = page( "arm.srdf", {} );
+	EXPECT_NEAR( least["others"]["self"][0].get<double>(),
+	    allowed["steps"][allowed["least"].get<std::size_t>()]["self"][0].get<double>(), 1e-9 );
+	EXPECT_EQ( page( "open.srdf", { "--min-d", "0.2" } )["apart"].size(), 0U )
+	    << "a pair that is too near is never set apart";
+}
+
 TEST_F( CliView, TheWayToALateFirstPointIsNotShown )
 {
 	const std::string late = R"({"joint_names": ["shoulder", "elbow"], "points": [

@@ -44,6 +44,19 @@ export function deskPage(more = []) {
 	return file("page.html");
 }
 
+/// A page of a column that turns 136 mm above a desk, on a foot 10 mm above it; its arm passes 11.27 mm over a post.
+export function turningPage() {
+	const box = (name, size, at) => `    - id: ${name}\n      primitives: [{type: box, dimensions: [${size}]}]\n      primitive_poses: [{position: [${at}], orientation: [0, 0, 0, 1]}]\n`;
+	const link = (name, at, shape) => `<link name="${name}"><collision><origin xyz="${at}"/><geometry>${shape}</geometry></collision></link>`;
+	const joint = (name, parent, child, at, axis) => `<joint name="${name}" type="revolute"><parent link="${parent}"/><child link="${child}"/><origin xyz="${at}"/><axis xyz="${axis}"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint>`;
+	write("turning.urdf", `<robot name="turning">${link("foot", "0 0 0.05", `<cylinder radius="0.08" length="0.1"/>`)}${link("turret", "0 0 0.05", `<cylinder radius="0.06" length="0.1"/>`)}
+		${link("arm", "0.25 0 0", `<box size="0.4 0.05 0.05"/>`)}${joint("yaw", "foot", "turret", "0 0 0.126", "0 0 1")}${joint("pitch", "turret", "arm", "0.1 0 0.2", "0 1 0")}</robot>`);
+	write("turning.yaml", `name: desk\nworld:\n  collision_objects:\n${box("desk", "2, 2, 0.1", "0, 0, -0.06")}${box("post", "0.1, 0.1, 0.3", "0.5, 0, 0.15")}`);
+	write("turning_path.yaml", "joint_names: [yaw, pitch]\npoints:\n  - positions: [-1.2, 0.2]\n  - positions: [0, -0.1]\n  - positions: [1.2, 0.4]\n");
+	leeway(["view", "--robot", "turning.urdf", "--scene", "turning.yaml", "--path", "turning_path.yaml", "--out", "turning.html"]);
+	return file("turning.html");
+}
+
 /// Opens a page, runs the check, and closes all. The page must have no errors and must ask for nothing but itself.
 export async function withPage(page, options, check) {
 	const browser = new Browser();

@@ -7,7 +7,7 @@ import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { Browser } from "./browser.mjs";
 import { blindDistance, legibility } from "./legible.mjs";
-import { DESK, GRID, SLIDE, deskPage, differing, file, leeway, random, read, table, withPage, write } from "./support.mjs";
+import { DESK, GRID, SLIDE, deskPage, differing, file, leeway, random, read, table, turningPage, withPage, write } from "./support.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const text = (tab, id) => tab.value(`document.getElementById("${id}").textContent`);
@@ -154,6 +154,53 @@ const tests = {
 		});
 	},
 
+	async PairsThatKeepTheirDistanceAreNamedBesideTheSmallestClearance() {
+		const page = turningPage();
+		await withPage(page, {}, async (tab) => {
+			assert.deepEqual(await tab.value("leeway.model.motion.apart.map((p) => [leeway.model.links[p.a], leeway.model.objects[p.b]])"), [["foot", "desk"], ["turret", "desk"]]);
+			const least = await tab.value(`document.getElementById("least").textContent`);
+			assert.match(least, /Smallest clearance, without 2 pairs that keep their distance \(foot – desk, turret – desk\)11\.27 mm/);
+			assert.match(await text(tab, "apart"), /foot – desk10\.00 mmturret – desk136\.00 mm/);
+			await tab.value(`document.getElementById("least").click()`);
+			assert.equal(await text(tab, "clearance"), "11.27 mm", "the state's number is that of the other pairs");
+			assert.match(await text(tab, "verdict-note"), /without 2 pairs that keep their distance/);
+			// The chart shows the others: the whole line is not the constant 10 mm
+			const heights = await tab.value(`new Set(document.querySelector("#chart .environment").getAttribute("points").split(" ").map((p) => p.split(",")[1])).size`);
+			assert.ok(heights > 50, `the line has ${heights} heights`);
+			// A pair that comes nearer than along the motion is shown again
+			await tab.value(`leeway.model.motion.apart[0].least = 0.011; leeway.update(null)`);
+			assert.equal(await text(tab, "clearance"), "10.00 mm");
+		});
+	},
+
+	async TheNearestPartIsMarkedInTheChartAndAlongThePath() {
+		await withPage(turningPage(), {}, async (tab) => {
+			const part = await tab.value(`(() => { const r = document.querySelector("#chart .nearest"), x = (n) => Number(r.getAttribute(n)), c = leeway.chart;
+				return leeway.steps.filter((s) => c.x(s.at) >= x("x") && c.x(s.at) <= x("x") + x("width")).map((s) => Math.min(...["environment", "self"].map((k) => s.others[k][0]))); })()`);
+			const all = await tab.value(`leeway.steps.map((s) => Math.min(...["environment", "self"].map((k) => s.others[k][0])))`);
+			const most = Math.min(...all) + 0.1 * (Math.max(...all) - Math.min(...all));
+			assert.ok(part.length > 2 && part.length < all.length / 2 && part.includes(Math.min(...all)), `${part.length} steps of ${all.length}`);
+			assert.ok(part.slice(2, -2).every((value) => value <= most), "no step of the marked part is far");
+			// The arm's middle at both ends of the path, from its angles: 0.1 m along the turret's x axis, then 0.25 m along the arm
+			const middle = (yaw, pitch) => [0.1 + 0.25 * Math.cos(pitch), 0.326 - 0.25 * Math.sin(pitch)].flatMap((v, i) => (i === 0 ? [v * Math.cos(yaw), v * Math.sin(yaw)] : [v]));
+			const ends = await tab.value(`(() => { const p = leeway.stage.motion.trace.children[0].geometry.parameters.path.points; return [p[0], p.at(-1)].map((v) => v.toArray()); })()`);
+			[middle(-1.2, 0.2), middle(1.2, 0.4)].forEach((expected, i) => expected.forEach((value, k) => assert.ok(Math.abs(value - ends[i][k]) < 1e-3, `end ${i} of the path: ${ends[i]}, expected ${expected}`)));
+			const red = await tab.value(`leeway.stage.motion.trace.children.filter((m) => m.material === leeway.stage.materials.nearest).length`);
+			assert.equal(red, 1, "a red part along the path");
+			assert.equal(await tab.value(`leeway.stage.motion.ghosts.children.length`), 4, "turret and arm at start and goal; the foot stands still");
+			// A drag in the chart moves the state along
+			const at = (share) => tab.value(`(() => { const r = document.getElementById("chart").getBoundingClientRect(); return { x: r.x + 60 + ${share} * (r.width - 68), y: r.y + 60 }; })()`);
+			const [from, to] = [await at(0.2), await at(0.8)];
+			await tab.drag(from.x, from.y, to.x, to.y);
+			assert.ok(Math.abs(await tab.value("leeway.at") - 0.8) < 0.02, "the state follows the pointer");
+			await tab.picture();
+			const with_ghosts = await tab.value(GRID);
+			await tab.value(`[...document.querySelectorAll("#show label")].filter((l) => /Ghosts|Path/.test(l.textContent)).forEach((l) => l.querySelector("input").click())`);
+			await tab.picture();
+			assert.ok(differing(with_ghosts, await tab.value(GRID), 8) > 3, "both can be hidden");
+		});
+	},
+
 	async ATouchChoosesALink() {
 		await withPage(deskPage(), { width: 390, height: 844, touch: true }, async (tab) => {
 			const { x, y } = await tab.value(`(() => { const box = leeway.stage.links[0].bodies.children[0]; box.geometry.computeBoundingSphere();
@@ -169,7 +216,8 @@ const tests = {
 	},
 
 	async LiveClearancesAreThoseOfCheck() {
-		await liveAgainstCheck(deskPage(), [...DESK, "--group", "arm"], 100);
+		leeway(["view", ...DESK, "--group", "arm", "--out", "live.html"]); // without a motion no pair is set apart
+		await liveAgainstCheck(file("live.html"), [...DESK, "--group", "arm"], 100);
 		write("margins.yaml", "environment: 0.01\nlinks: {hand: 0.02}\nself: 0.005\n");
 		const model = [...DESK, "--group", "arm", "--margins", file("margins.yaml"), "--allow", "turret:desk"];
 		leeway(["view", ...model, "--out", "margins.html"]);
@@ -348,7 +396,8 @@ const tests = {
 			assert.equal(tab.state, "live");
 			const stepped = await tab.value("leeway.steps[5]"), at = stepped.at;
 			await tab.value(`(${SLIDE})("time", ${at})`);
-			assert.equal(await row(tab, "environment"), shown(stated(stepped.environment[0], stepped.environment[1])));
+			const environment = (stepped.others ?? stepped).environment;
+			assert.equal(await row(tab, "environment"), shown(stated(environment[0], environment[1])));
 			const frames = await tab.value(`new Promise((done) => { const begin = performance.now(), first = leeway.stage.frames; leeway.play(true); setTimeout(() => { leeway.play(false); done(1000 * (leeway.stage.frames - first) / (performance.now() - begin)); }, 3000); })`);
 			console.log(`${megabytes.toFixed(1)} MB; first picture after ${await tab.value("document.documentElement.dataset.picture")} ms; ${frames.toFixed(1)} frames per second in software`);
 			assert.ok(read("kitchen.html").includes("triangles are shown"), "the page says what it simplifies");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The engine in a page: a robot, a scene and a checker from a list of numbers and a blob of shapes. Compiled to WebAssembly; the
 // numbers are written by view/engine_data.cpp in the order in which they are read here. There is one world per page.
-#include "touching.h"
+#include "apart.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 
 enum
 {
-	ENGINE_FORMAT = 1, ///< first number of the list
+	ENGINE_FORMAT = 2, ///< first number of the list
 	CLEARANCE_NUMBERS = 12,
 	MOST_COUNT = 10000000
 };
@@ -34,8 +34,9 @@ static struct
 	lw_scene* scene;
 	lw_checker* checker;
 	lw_query* query;
+	lwv_apart* apart; ///< NULL: no pairs are set apart
 	char message[256];
-	double out[1 + 2 * CLEARANCE_NUMBERS + 1 + 3 * LWV_MOST_PAIRS];
+	double out[1 + 4 * CLEARANCE_NUMBERS + 1 + 3 * LWV_MOST_PAIRS];
 } world;
 
 /// The next number; NaN behind the end.
@@ -255,6 +256,21 @@ static bool read_checker( void )
 	       !failed( lw_query_create( &query_def, NULL, world.checker, NULL, &world.query ), "query", &diag );
 }
 
+static bool read_apart( void )
+{
+	uint32_t count = whole();
+	lwv_pair* pairs = list( count, sizeof *pairs );
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		pairs[i].self = whole() == 1;
+		pairs[i].a = whole();
+		pairs[i].b = whole();
+	}
+	world.apart = count > 0 ? lwv_apart_create( world.checker, pairs, count ) : NULL;
+	lw_diag diag = { 0 };
+	return !failed( count > 0 && world.apart == NULL ? LW_ERROR_OUT_OF_MEMORY : LW_OK, "pairs set apart", &diag );
+}
+
 LWV_EXPORT( "lwv_bytes" ) void* lwv_bytes( size_t size )
 {
 	return malloc( size );
@@ -276,7 +292,7 @@ LWV_EXPORT( "lwv_load" ) int lwv_load( const double* numbers, size_t count, cons
 		(void)snprintf( world.message, sizeof world.message, "the page was written for another engine" );
 		return 0;
 	}
-	bool made = read_shapes( blob, size ) && read_robot() && read_scene() && read_checker();
+	bool made = read_shapes( blob, size ) && read_robot() && read_scene() && read_checker() && read_apart();
 	drop_lists();
 	return made ? 1 : 0;
 }
@@ -289,10 +305,17 @@ static double* put_clearance( double* out, const lw_clearance* c, double margin 
 	return out + CLEARANCE_NUMBERS;
 }
 
+static double* put_both( double* out, const lw_state_result* state )
+{
+	const lw_clearance *e = &state->environment, *s = &state->self;
+	out = put_clearance( out, e, lw_checker_environment_margin( world.checker, e->a, e->b ) );
+	return put_clearance( out, s, lw_checker_self_margin( world.checker, s->a, s->b ) );
+}
+
 /// Measures a state exactly.
 /// @param touching also list the pairs in contact
-/// @return verdict; environment: kind, lower, upper, a, b, margin, two points; self: the same; number of pairs in contact, and for
-/// each: 1 if it is of two links, a, b. NULL with a message
+/// @return verdict; environment: kind, lower, upper, a, b, margin, two points; self: the same; both without the pairs that are set
+/// apart; number of pairs in contact, and for each: 1 if it is of two links, a, b. NULL with a message
 LWV_EXPORT( "lwv_state" ) const double* lwv_state( const double* q, int flags, double min_d, int touching )
 {
 	lw_state_result state;
@@ -302,10 +325,14 @@ LWV_EXPORT( "lwv_state" ) const double* lwv_state( const double* q, int flags, d
 	{
 		return NULL;
 	}
+	lw_state_result others = state;
+	if ( world.apart != NULL && failed( lwv_apart_state( world.apart, q, (lw_check_flags)flags, &others ), "state", &diag ) )
+	{
+		return NULL;
+	}
 	world.out[0] = (double)state.verdict;
 	const lw_clearance *e = &state.environment, *s = &state.self;
-	double* at = put_clearance( world.out + 1, e, lw_checker_environment_margin( world.checker, e->a, e->b ) );
-	at = put_clearance( at, s, lw_checker_self_margin( world.checker, s->a, s->b ) );
+	double* at = put_both( put_both( world.out + 1, &state ), &others );
 	lwv_pair pairs[LWV_MOST_PAIRS];
 	bool wanted = touching != 0 && ( e->upper <= min_d || s->upper <= min_d );
 	uint32_t count = wanted ? lwv_touching( world.checker, q, (lw_check_flags)flags, min_d, pairs ) : 0;

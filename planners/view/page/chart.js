@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Clearances along a motion as a picture of lines; a click goes to the place.
 import { clearanceOf, place, stated } from "./text.js";
+import { nearestPart } from "./trace.js";
 
 const SVG = "http://www.w3.org/2000/svg", LEFT = 60, RIGHT = 8, TOP = 8, BOTTOM = 22;
 
@@ -25,7 +26,7 @@ export class Chart {
 		this.svg = svg;
 		this.motion = model.motion;
 		this.min_d = model.min_d;
-		this.series = ["environment", "self"].map((name) => ({ name, values: this.motion.steps.map((step) => stated(clearanceOf(step[name]))) }));
+		this.series = ["environment", "self"].map((name) => ({ name, values: this.motion.steps.map((step) => stated(clearanceOf((step.others ?? step)[name]))) }));
 		const drag = (event) => {
 			const x = (event.clientX - svg.getBoundingClientRect().left - LEFT) / (this.width - LEFT - RIGHT);
 			const [first, last] = this.ends();
@@ -59,6 +60,7 @@ export class Chart {
 		const finite = this.series.flatMap((series) => series.values).filter((value) => Number.isFinite(value));
 		this.low = Math.min(0, ...finite);
 		this.high = Math.max(1e-3, this.min_d * 1.2, ...finite) * 1.05;
+		this.nearest();
 		this.axes();
 		for (const { name, values } of this.series) {
 			const points = values.map((value, i) => (Number.isFinite(value) ? `${this.x(this.motion.steps[i].at).toFixed(1)},${this.y(value).toFixed(1)}` : null));
@@ -75,6 +77,15 @@ export class Chart {
 		}
 		this.now = node(this.svg, "line", { class: "now", x1: 0, x2: 0, y1: TOP, y2: this.height - BOTTOM });
 		this.mark(this.at ?? this.ends()[0]);
+	}
+
+	/// A band behind the part that is nearest to contact, as it is red along the path.
+	nearest() {
+		const part = nearestPart(this.motion);
+		if (part !== null) {
+			const [left, right] = part.map((step) => this.x(this.motion.steps[step].at));
+			node(this.svg, "rect", { class: "nearest", x: left - 1, y: TOP, width: right - left + 2, height: this.height - TOP - BOTTOM });
+		}
 	}
 
 	axes() {

@@ -63,18 +63,19 @@ export class Engine {
 		this.state_at = calls.lwv_bytes(8 * 4096);
 	}
 
-	/// Clearances of a group state, and the pairs in contact.
+	/// Clearances of a group state, those without the pairs that are set apart, and the pairs in contact.
 	measure(q, flags, min_d, touching = true) {
 		new Float64Array(this.memory.buffer, this.state_at, q.length).set(q);
 		const at = this.calls.lwv_state(this.state_at, flags, min_d, touching ? 1 : 0);
 		if (at === 0) {
 			throw new Error(text(this.memory, this.calls.lwv_message()));
 		}
-		const numbers = new Float64Array(this.memory.buffer, at, 2 + 2 * CLEARANCE + 3 * 64);
-		const count = numbers[1 + 2 * CLEARANCE], pairs = [];
+		const LISTED = 1 + 4 * CLEARANCE, numbers = new Float64Array(this.memory.buffer, at, LISTED + 1 + 3 * 64);
+		const count = numbers[LISTED], pairs = [];
 		for (let i = 0; i < count; ++i) {
-			pairs.push(Array.from(numbers.slice(2 + 2 * CLEARANCE + 3 * i, 5 + 2 * CLEARANCE + 3 * i)));
+			pairs.push(Array.from(numbers.slice(LISTED + 1 + 3 * i, LISTED + 4 + 3 * i)));
 		}
-		return { environment: clearance(numbers, 1), self: clearance(numbers, 1 + CLEARANCE), touching: pairs };
+		const both = (begin) => ({ environment: clearance(numbers, begin), self: clearance(numbers, begin + CLEARANCE) });
+		return { ...both(1), others: both(1 + 2 * CLEARANCE), touching: pairs };
 	}
 }

@@ -6,6 +6,8 @@ import { Engine } from "./engine.js";
 import { between } from "./kinematics.js";
 import { makeChoices, makeJoints, makeNotes, pairNames, showAnswer } from "./panel.js";
 import { Stage } from "./stage.js";
+import { makeTrace } from "./trace.js";
+import { asideOf, describeApart, showApart } from "./apart.js";
 import { clearanceOf, element, length, place, stated, statement } from "./text.js";
 
 const $ = (id) => document.getElementById(id), SECONDS_OF_PLAY = 8; // of a motion without times
@@ -39,13 +41,16 @@ class Page {
 		if (this.engine !== null) {
 			answer = this.engine.measure(this.groupState(), this.model.what, this.model.min_d);
 		} else if (step !== null) {
-			answer = { environment: clearanceOf(step.environment), self: clearanceOf(step.self), touching: step.touching ?? [] };
+			const both = (from) => ({ environment: clearanceOf(from.environment), self: clearanceOf(from.self) });
+			answer = { ...both(step), others: both(step.others ?? step), touching: step.touching ?? [] };
 		} else {
 			note = "a state moved by hand";
 		}
-		this.answer = { ...answer, touching: step?.marked ?? answer.touching }; // a list of contacts marks one pair at a time
+		const { aside, ...kept } = asideOf(this.model, answer);
+		this.answer = { ...kept, touching: step?.marked ?? answer.touching }; // a list of contacts marks one pair at a time
+		this.aside = aside;
 		this.stage.pose(this.q);
-		showAnswer(this.model, this.answer, step?.label ?? note);
+		showAnswer(this.model, this.answer, [step?.label ?? note, describeApart(this.model, aside)].filter((t) => t !== "").join("; "));
 		this.showPair();
 	}
 
@@ -151,9 +156,10 @@ class Page {
 		Object.assign($("time"), { min: this.steps[0].at, max: this.steps.at(-1).at, step: motion.unit === "state" ? 1 : "any" });
 		$("time").addEventListener("input", () => this.go(Number($("time").value)));
 		$("play").addEventListener("click", () => this.play());
-		const nearest = ["environment", "self"].map((kind) => clearanceOf(least[kind])).filter((c) => c !== null).sort((a, b) => stated(a) - stated(b))[0];
-		$("least").append(element("span", "Smallest clearance", { class: "pair" }), element("span", nearest === undefined ? "–" : statement(nearest), { class: "value" }),
+		const nearest = ["environment", "self"].map((kind) => clearanceOf((least.others ?? least)[kind])).filter((c) => c !== null).sort((a, b) => stated(a) - stated(b))[0];
+		$("least").append(element("span", ["Smallest clearance", describeApart(this.model, motion.apart)].filter((t) => t !== "").join(", "), { class: "pair" }), element("span", nearest === undefined ? "–" : statement(nearest), { class: "value" }),
 			element("span", `at ${place(least.at, motion.unit)}`, { class: "kind" }));
+		showApart(this.model, $("apart"));
 		$("least").addEventListener("click", () => this.go(least.at));
 		for (const pair of motion.pairs) {
 			const kind = pair.self ? "self" : "environment", row = element("button", "", { type: "button", class: "row" });
@@ -236,6 +242,8 @@ class Page {
 		$("title").textContent = model.robot || "Robot";
 		$("subtitle").textContent = [model.scene, model.group_name === "" ? "" : `group ${model.group_name}`].filter((name) => name !== "").join(" · ");
 		$("scale").textContent = "Grid 0.5 m";
+		this.stage.pose(this.q);
+		this.stage.addTrace(makeTrace(this.stage, model, (q) => this.full(q)));
 		this.makeMotion();
 		this.joints = makeJoints(model, this.q, (i, value) => {
 			this.q[i] = value;
@@ -262,9 +270,9 @@ class Page {
 			document.body.dataset.picture = "";
 			this.stage.still = true;
 		}
-		for (const name of ["hulls", "spheres", "through"]) {
+		for (const name of ["hulls", "spheres", "through", "trace", "ghosts"]) {
 			if (given.has(name)) {
-				this.stage.show(name, true);
+				this.stage.show(name, given.get(name) !== "off");
 			}
 		}
 		const dark = given.get("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");

@@ -94,6 +94,10 @@ export function makeChoices(model, stage) {
 		add("through", "See through obstacles");
 	}
 	add("witness", "Line between the nearest points", "--ink");
+	if (stage.motion) {
+		add("trace", "Path of the tip; red: nearest to contact", "--accent");
+		add("ghosts", "Ghosts of start and goal");
+	}
 	if (model.hulls.length > 0) {
 		add("hulls", "Motion hulls: all places of the chosen link, or of all links");
 	}

@@ -21,6 +21,11 @@ function glass(opacity) {
 	return new MeshLambertMaterial({ transparent: true, opacity, depthWrite: false });
 }
 
+/// Behind the solid links where both coincide.
+function ghost() {
+	return Object.assign(glass(0.2), { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8 });
+}
+
 export class Stage {
 	constructor(canvas, model, bytes) {
 		this.model = model;
@@ -35,13 +40,14 @@ export class Stage {
 		this.controls = new OrbitControls(this.camera, canvas);
 		this.controls.addEventListener("change", () => this.request());
 		this.frames = 0;
-		this.materials = { robot: solid(), obstacle: solid(), touching: solid(), chosen: solid(), tree: glass(0.22), hull: glass(0.1), spheres: glass(0.4), margin: glass(0.25) };
+		this.materials = { robot: solid(), obstacle: solid(), touching: solid(), chosen: solid(), tree: glass(0.22), hull: glass(0.1), spheres: glass(0.4), margin: glass(0.25),
+			trace: new MeshBasicMaterial(), nearest: new MeshBasicMaterial({ depthTest: false, transparent: true }), start: ghost(), goal: ghost() };
 		this.light = new DirectionalLight(0xffffff, 1.3);
 		const sky = new HemisphereLight(0xffffff, 0x7d838c, 1.9);
 		sky.position.copy(UP);
 		this.scene.add(sky, this.light, this.light.target);
 		this.shapes = new Shapes(model.shapes, bytes);
-		this.visible = { robot: true, obstacles: true, witness: true, hulls: false, spheres: model.spheres.length > 0, level: -1, through: false };
+		this.visible = { robot: true, obstacles: true, witness: true, hulls: false, spheres: model.spheres.length > 0, level: -1, through: false, trace: true, ghosts: true };
 		this.build();
 	}
 
@@ -85,6 +91,15 @@ export class Stage {
 		}
 	}
 
+	/// The path of the tips and the ghosts. @param made by makeTrace(); null: none
+	addTrace(made) {
+		this.motion = made;
+		if (made !== null) {
+			this.scene.add(made.trace, made.ghosts);
+			this.show("trace", this.visible.trace);
+		}
+	}
+
 	makeWitness() {
 		const line = new BufferGeometry();
 		line.setAttribute("position", new BufferAttribute(new Float32Array(6), 3));
@@ -111,6 +126,10 @@ export class Stage {
 		this.materials.hull.color = colour("--accent");
 		this.materials.spheres.color = colour("--accent");
 		this.materials.margin.color = colour("--danger");
+		this.materials.trace.color = colour("--accent");
+		this.materials.nearest.color = colour("--danger");
+		this.materials.start.color = colour("--good");
+		this.materials.goal.color = colour("--accent");
 		this.line_material.color = colour("--ink");
 		this.dot_material.color = colour("--ink");
 		this.grid?.removeFromParent();
@@ -176,6 +195,9 @@ export class Stage {
 			link.spheres.visible = this.visible.spheres;
 		}
 		this.obstacles.visible = this.visible.obstacles;
+		for (const part of ["trace", "ghosts"].filter(() => this.motion)) {
+			this.motion[part].visible = this.visible[part];
+		}
 		this.materials.obstacle.transparent = this.visible.through;
 		this.materials.obstacle.opacity = this.visible.through ? 0.28 : 1;
 		this.materials.obstacle.depthWrite = !this.visible.through;
