@@ -452,7 +452,7 @@ void lwi_checker_obstacle_pair( const lw_checker* checker, lw_query* query, uint
 	lwi_cached_pair* cached, lwi_bound* bound )
 {
 	const uint32_t pair = body * checker->scene->block_count * LWI_WIDTH + shape;
-	if ( cached->pair == pair )
+	if ( cached->pair == pair && lwi_memory_pays( checker->base->bodies[body].shape, checker->scene->shapes[shape].shape ) )
 	{
 		measure_cached_pair( checker, query, cached, bound );
 	}

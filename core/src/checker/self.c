@@ -537,7 +537,8 @@ void lwi_checker_self_pair( const lw_checker* checker, lw_query* query, uint32_t
 	lwi_bound* bound )
 {
 	const uint32_t stride = checker->base->body_block_count * LWI_WIDTH;
-	if ( cached->pair == id )
+	const lwi_checker_body* bodies = checker->base->bodies;
+	if ( cached->pair == id && lwi_memory_pays( bodies[id / stride].shape, bodies[id % stride].shape ) )
 	{
 		measure_cached_pair( checker, query, cached, bound );
 	}

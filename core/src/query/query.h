@@ -107,6 +107,12 @@ static inline bool lwi_cached_pair_pays( const lw_query* query, const lwi_cached
 	return query->search.def.warm_start && cached->valid && cached->clearance < bound->cutoff;
 }
 
+/// Of two primitives there is one measurement, which the search makes.
+static inline bool lwi_memory_pays( const lw_shape* a, const lw_shape* b )
+{
+	return !a->primitive || !b->primitive;
+}
+
 /// lwi_measure() of the pair that was nearest last time: offers its distance in the current state to the bound.
 static inline void lwi_measure_cached_pair( lw_query* query, const lw_shape* a, const lw_shape* b,
 	const lw_transform* a_from_b, lwi_cached_pair* cached, lwi_bound* bound )
