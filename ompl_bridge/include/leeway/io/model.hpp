@@ -116,7 +116,7 @@ struct LinkModel
 {
 	std::string name;
 	std::vector<PlacedShape> collision;
-	std::optional<Colour> colour; ///< of the first visual with one; for pictures
+	std::optional<Colour> colour = {}; ///< of the first visual with one; for pictures
 };
 
 struct JointModel
