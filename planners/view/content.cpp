@@ -198,6 +198,13 @@ void addModel( const PageInput& page, const ShapeList& shapes, PageContent& cont
 	json["variables"] = variablesJson( page.problem );
 	json["reference"] = page.problem.reference;
 	json["group"] = page.problem.variables;
+	for ( const io::LinkModel& link : page.robot.links )
+	{
+		if ( const std::uint32_t i = lw_robot_find_link( robot, link.name.c_str() ); link.colour && i != LW_INVALID_INDEX )
+		{
+			json["link_colours"].push_back( { { "of", i }, { "rgba", *link.colour } } );
+		}
+	}
 	json["bodies"] = json["objects"] = json["placed"] = Json::array();
 	for ( std::uint32_t i = 0; i < lw_robot_body_count( robot ); ++i )
 	{
@@ -208,6 +215,11 @@ void addModel( const PageInput& page, const ShapeList& shapes, PageContent& cont
 	for ( std::uint32_t i = 0; scene != nullptr && i < lw_scene_object_count( scene ); ++i )
 	{
 		json["objects"].push_back( lw_scene_object_name( scene, i ) );
+		const std::map<std::string, io::Colour> none, &colours = page.scene != nullptr ? page.scene->colours : none;
+		if ( const auto found = colours.find( lw_scene_object_name( scene, i ) ); found != colours.end() )
+		{
+			json["object_colours"].push_back( { { "of", i }, { "rgba", found->second } } );
+		}
 	}
 	for ( std::uint32_t i = 0; scene != nullptr && i < lw_scene_shape_count( scene ); ++i )
 	{

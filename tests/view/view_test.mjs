@@ -201,6 +201,24 @@ const tests = {
 		});
 	},
 
+	async LinksAndObjectsHaveTheColoursOfTheirFiles() {
+		const link = (name, at, material) => `<link name="${name}"><visual><geometry><box size="1 1 1"/></geometry>${material}</visual><collision><origin xyz="${at}"/><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>`;
+		const joint = (child) => `<joint name="to_${child}" type="revolute"><parent link="direct"/><child link="${child}"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>`;
+		write("colours.urdf", `<robot name="colours"><material name="moss"><color rgba="0 0.5 0 1"/></material>${link("direct", "0 0 0.1", `<material name="x"><color rgba="1 0 0 0.5"/></material>`)}
+			${link("named", "0 0 0.4", `<material name="moss"/>`)}${link("plain", "0 0 0.7", "")}${link("wrong", "0 0 1", `<material name="y"><color rgba="7 0 0 1"/></material>`)}${["named", "plain", "wrong"].map(joint).join("")}</robot>`);
+		const object = (name, x) => `    - id: ${name}\n      primitives: [{type: box, dimensions: [0.1, 0.1, 0.1]}]\n      primitive_poses: [{position: [${x}, 0, 0.5], orientation: [0, 0, 0, 1]}]\n`;
+		write("colours.yaml", `name: colours\nobject_colors: [{id: blue, color: {r: 0, g: 0, b: 1, a: 1}}]\nworld:\n  collision_objects:\n${object("blue", 1)}${object("grey", -1)}`);
+		leeway(["view", "--robot", "colours.urdf", "--scene", "colours.yaml", "--out", "colours.html"]);
+		await withPage(file("colours.html"), {}, async (tab) => {
+			const look = () => tab.value(`Object.fromEntries([...leeway.stage.links.flatMap((l, i) => l.bodies.children.map((b) => [leeway.model.links[i], b.material])), ...leeway.stage.obstacles.children.map((b) => [leeway.model.objects[b.userData.object], b.material])]
+				.map(([name, m]) => [name, m === leeway.stage.materials.robot ? "robot" : m === leeway.stage.materials.obstacle ? "obstacle" : m.color.getHexString() + " " + m.opacity]))`);
+			assert.deepEqual(await look(), { direct: "ff0000 0.5", named: "008000 1", plain: "robot", wrong: "robot", blue: "0000ff 1", grey: "obstacle" });
+			// A robot may be red by its file, as contact is
+			await tab.value(`[...document.querySelectorAll("#show label")].find((l) => /Colours of the files/.test(l.textContent)).querySelector("input").click()`);
+			assert.deepEqual(new Set(Object.values(await look())), new Set(["robot", "obstacle"]));
+		});
+	},
+
 	async ATouchChoosesALink() {
 		await withPage(deskPage(), { width: 390, height: 844, touch: true }, async (tab) => {
 			const { x, y } = await tab.value(`(() => { const box = leeway.stage.links[0].bodies.children[0]; box.geometry.computeBoundingSphere();

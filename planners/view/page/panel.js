@@ -93,6 +93,9 @@ export function makeChoices(model, stage) {
 		add("obstacles", "Obstacles", "--obstacle");
 		add("through", "See through obstacles");
 	}
+	if (stage.own.link.size + stage.own.object.size > 0) {
+		add("colours", "Colours of the files");
+	}
 	add("witness", "Line between the nearest points", "--ink");
 	if (stage.motion) {
 		add("trace", "Path of the tip; red: nearest to contact", "--accent");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The picture: robot, obstacles, overlays, camera. It is drawn when something changed, and not otherwise.
 import { BufferAttribute, BufferGeometry, Box3, Color, DirectionalLight, DoubleSide, GridHelper, Group, HemisphereLight, LineBasicMaterial, LineSegments, Mesh,
-	MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, Raycaster, Scene, SphereGeometry, Spherical, Vector2, Vector3, WebGLRenderer } from "three";
+	MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, Raycaster, SRGBColorSpace, Scene, SphereGeometry, Spherical, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Shapes, balls, matrixOf, meshGeometry } from "./geometry.js";
 import { linkPoses } from "./kinematics.js";
@@ -19,6 +19,16 @@ function solid(options = {}) {
 
 function glass(opacity) {
 	return new MeshLambertMaterial({ transparent: true, opacity, depthWrite: false });
+}
+
+/// Materials by index of link or object. A shape stays visible: opacity is at least 0.2.
+function ownMaterials(colours) {
+	return new Map((colours ?? []).map(({ of, rgba: [r, g, b, a] }) => {
+		const opacity = Math.max(0.2, Math.min(1, a)), material = solid({ transparent: opacity < 1, opacity, depthWrite: opacity >= 1 });
+		material.color.setRGB(r, g, b, SRGBColorSpace);
+		material.userData.opacity = opacity;
+		return [of, material];
+	}));
 }
 
 /// Behind the solid links where both coincide.
@@ -42,12 +52,13 @@ export class Stage {
 		this.frames = 0;
 		this.materials = { robot: solid(), obstacle: solid(), touching: solid(), chosen: solid(), tree: glass(0.22), hull: glass(0.1), spheres: glass(0.4), margin: glass(0.25),
 			trace: new MeshBasicMaterial(), nearest: new MeshBasicMaterial({ depthTest: false, transparent: true }), start: ghost(), goal: ghost() };
+		this.own = { link: ownMaterials(model.link_colours), object: ownMaterials(model.object_colours) }; // of the files
 		this.light = new DirectionalLight(0xffffff, 1.3);
 		const sky = new HemisphereLight(0xffffff, 0x7d838c, 1.9);
 		sky.position.copy(UP);
 		this.scene.add(sky, this.light, this.light.target);
 		this.shapes = new Shapes(model.shapes, bytes);
-		this.visible = { robot: true, obstacles: true, witness: true, hulls: false, spheres: model.spheres.length > 0, level: -1, through: false, trace: true, ghosts: true };
+		this.visible = { robot: true, obstacles: true, witness: true, hulls: false, spheres: model.spheres.length > 0, level: -1, through: false, trace: true, ghosts: true, colours: true };
 		this.build();
 	}
 
@@ -150,6 +161,8 @@ export class Stage {
 
 	/// @param touching pairs in contact; chosen: { links, objects } to emphasise
 	paint(touching, chosen) {
+		this.painted = [touching, chosen];
+		const own = (kind, i) => (this.visible.colours ? this.own[kind].get(i) : undefined);
 		const red_links = new Set(), red_objects = new Set();
 		for (const [self, a, b] of touching) {
 			red_links.add(a);
@@ -157,11 +170,11 @@ export class Stage {
 		}
 		const material = (is_red, is_chosen, plain) => (is_red ? this.materials.touching : is_chosen ? this.materials.chosen : plain);
 		this.links.forEach((link, i) => link.bodies.children.forEach((body) => {
-			body.material = material(red_links.has(i), chosen.links.includes(i), this.materials.robot);
+			body.material = material(red_links.has(i), chosen.links.includes(i), own("link", i) ?? this.materials.robot);
 		}));
 		for (const body of this.obstacles.children) {
 			const i = body.userData.object;
-			body.material = material(red_objects.has(i), chosen.objects.includes(i), this.materials.obstacle);
+			body.material = material(red_objects.has(i), chosen.objects.includes(i), own("object", i) ?? this.materials.obstacle);
 		}
 		this.request();
 	}
@@ -198,10 +211,16 @@ export class Stage {
 		for (const part of ["trace", "ghosts"].filter(() => this.motion)) {
 			this.motion[part].visible = this.visible[part];
 		}
-		this.materials.obstacle.transparent = this.visible.through;
-		this.materials.obstacle.opacity = this.visible.through ? 0.28 : 1;
-		this.materials.obstacle.depthWrite = !this.visible.through;
-		this.materials.obstacle.needsUpdate = true;
+		for (const material of [this.materials.obstacle, ...this.own.object.values()]) {
+			const opacity = material.userData.opacity ?? 1;
+			material.transparent = this.visible.through || opacity < 1;
+			material.opacity = this.visible.through ? Math.min(0.28, opacity) : opacity;
+			material.depthWrite = !material.transparent;
+			material.needsUpdate = true;
+		}
+		if (name === "colours" && this.painted) {
+			this.paint(...this.painted);
+		}
 		if (name === "level") {
 			this.showLevel(value);
 		}

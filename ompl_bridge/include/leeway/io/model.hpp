@@ -8,6 +8,7 @@
 #include "leeway/handles.hpp"
 #include "leeway/io/goal.hpp"
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -117,6 +118,9 @@ struct LoadOptions
 };
 
 /// A collision shape at a pose in its owner's frame.
+/// Red, green, blue, opacity: 0 to 1.
+using Colour = std::array<double, 4>;
+
 struct PlacedShape
 {
 	Shape shape;
@@ -127,6 +131,7 @@ struct LinkModel
 {
 	std::string name;
 	std::vector<PlacedShape> collision;
+	std::optional<Colour> colour = {}; ///< of the first visual with one; for pictures
 };
 
 struct JointModel
@@ -327,6 +332,7 @@ struct SceneModel
 	/// places the header's frame in the planning frame. Otherwise, as in tf: it places the child in the header's frame.
 	std::multimap<std::string, std::pair<std::string, lw_transform>> fixed_frames;
 	std::map<std::string, double> link_padding, link_scale; ///< of the links they name, over ProblemOptions::padding
+	std::map<std::string, Colour> colours;                  ///< object_colors by object; for pictures
 	LoadReport report;
 };
 

@@ -5,6 +5,7 @@
 // urdfdom accepts some files that mean nothing (two joints moving one link, numbers it never looks at), refuses some that
 // mean something (capsules), forgets the order of the file and prints to the console. So this reader checks the document
 // first, removes the parts that urdfdom need not see, and puts urdfdom's output into the error or a notice.
+#include "robot/colours.hpp"
 #include "robot/urdf_reader.hpp"
 
 #include "robot/plausibility.hpp"
@@ -620,6 +621,7 @@ void readLinks( const XmlFile& xml, const urdf::ModelInterface& urdf, const Load
 	for ( const XMLElement& element : children( xml.root(), "link" ) )
 	{
 		LinkModel link = readLink( xml, element, urdf, options, shapes, geometry, model.report.notices );
+		link.colour = linkColour( xml, element );
 		if ( link.collision.empty() )
 		{
 			model.report.links_without_geometry.push_back( link.name );

@@ -71,6 +71,7 @@ private:
 	void readDefaults( const YamlNode& matrix );
 	void readFixedFrames();
 	void readPadding();
+	void readColours();
 	ShapeLoader::Place place( const YamlNode& node, const std::string& owner ) const
 	{
 		return { m_scene.file, node.place(), owner };
@@ -640,6 +641,23 @@ void SceneReader::readFixedFrames()
 	}
 }
 
+/// object_colors, for pictures: an entry without a name or one of its four numbers gives no colour.
+void SceneReader::readColours()
+{
+	const YamlNode list = m_root["object_colors"];
+	for ( std::size_t i = 0; list.isList() && i < list.size(); ++i )
+	{
+		const YamlNode colour = list[i]["color"], id = list[i]["id"];
+		const bool whole = id.isScalar() && colour.isMap() && colour["r"].isScalar() && colour["g"].isScalar() &&
+		                   colour["b"].isScalar() && colour["a"].isScalar();
+		if ( whole )
+		{
+			m_scene.colours[id.text()] = {
+			    colour["r"].number(), colour["g"].number(), colour["b"].number(), colour["a"].number() };
+		}
+	}
+}
+
 /// link_padding and link_scale: lists of {link_name, padding or scale}.
 void SceneReader::readPadding()
 {
@@ -677,6 +695,7 @@ void SceneReader::read()
 	readMatrix();
 	readFixedFrames();
 	readPadding();
+	readColours();
 	if ( m_scene.objects.empty() && m_scene.attached.empty() )
 	{
 		m_scene.report.notices.push_back( { m_scene.file, "world", "holds no object: nothing is in the robot's way" } );
