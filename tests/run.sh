@@ -4,7 +4,7 @@
 #
 #   1. build-asan: the tests under the address and undefined-behaviour sanitizers, but for the long ground-truth sweeps
 #   2. build-tsan: the tests that start threads, under the thread sanitizer
-#   3. build-fuzz: by clang, warnings are errors; every fuzz target for FUZZ_SECONDS (default 30, ten minutes of processor time in
+#   3. build-fuzz: by clang, warnings are errors; every fuzz target for FUZZ_SECONDS (default 15, five minutes of processor time in
 #                  all; 0 leaves the stage out). Longer runs are listed in tests/fuzz/README.md
 #   4. build:      release, warnings are errors; cppcheck over all sources; query tests at lower SIMD levels; kernels and answers on an emulated
 #                  64-bit ARM (build-arm64); last, all tests
@@ -172,7 +172,7 @@ else
 fi
 
 runner=( env )
-if [ "${FUZZ_SECONDS:-30}" -eq 0 ]; then
+if [ "${FUZZ_SECONDS:-15}" -eq 0 ]; then
 	notes+=( "FUZZ_SECONDS=0: nothing was fuzzed" )
 elif ! printf 'int LLVMFuzzerTestOneInput( const char* d, unsigned long n ); int LLVMFuzzerTestOneInput( const char* d, unsigned long n ) { return d == 0 && n > 0; }\n' |
 	clang -x c -fsanitize=fuzzer,address - -o "$scratch/fuzz" || ! "$scratch/fuzz" -runs=1 >/dev/null 2>&1; then
@@ -185,7 +185,7 @@ else
 		-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST
 	stage "fuzz: build" build build-fuzz fuzzers
 	# The seed is fixed, so that a change that breaks nothing is not blamed for the finds of another day.
-	stage "fuzz: each target for ${FUZZ_SECONDS:-30} s" env JOBS="$jobs" SEED=1 tests/fuzz/run.sh "${FUZZ_SECONDS:-30}"
+	stage "fuzz: each target for ${FUZZ_SECONDS:-15} s" env JOBS="$jobs" SEED=1 tests/fuzz/run.sh "${FUZZ_SECONDS:-15}"
 fi
 
 stage "release: configure" configure build -DCMAKE_BUILD_TYPE=Release -DLEEWAY_BUILD_PYTHON=ON -DLEEWAY_BUILD_VIEW=ON \
