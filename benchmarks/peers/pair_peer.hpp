@@ -50,8 +50,8 @@ public:
 	bool environmentWithin( double margin );
 	bool environmentCollides();
 	double selfDistance( double bound, double relative_error = 0 );
-	/// All pairs that are nearer than the bound, environment and self: the engine is asked about each pair of near boxes, or, with
-	/// managers, about those of the environment that its broadphase finds.
+	/// All pairs below the bound, environment and self. The engine measures each pair whose boxes are near, or, with managers, the
+	/// pairs of the environment that its broadphase finds.
 	std::vector<NearBodies> nearPairs( double bound );
 	bool selfWithin( double margin );
 	bool selfCollides();

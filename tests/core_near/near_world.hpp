@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Random worlds in which near pairs are asked for, and the call with its buffers.
+// Random worlds for tests of near pairs, and the call with its buffers.
 #pragma once
 
 #include "random_world.hpp"

@@ -7,7 +7,7 @@
 namespace
 {
 
-/// What is told of a body that is turned by rpy and stands at `position` above an obstacle at the origin.
+/// The direction of the one row of a body, turned by rpy, at `position` above an obstacle at the origin.
 lw_direction directionOf( lw_shape* body, const std::array<double, 3>& position, const std::array<double, 3>& rpy,
     lw_shape* obstacle, double tie_width = 1e-9 )
 {

@@ -277,7 +277,8 @@ static bool allocate_tables( lwi_checker_base* b )
 	b->group.lower = lwi_alloc_zero( allocator, b->group.variable_count, sizeof( double ) );
 	b->group.upper = lwi_alloc_zero( allocator, b->group.variable_count, sizeof( double ) );
 	b->bytes = sizeof( lwi_checker_base ) + b->group.variable_count * ( sizeof( double[2] ) + sizeof( uint32_t ) ) +
-			   lw_robot_variable_count( b->robot ) * sizeof( double ) + links * sizeof( lw_transform ) +
+			   lw_robot_variable_count( b->robot ) * ( sizeof( double ) + sizeof( uint32_t ) ) +
+			   links * sizeof( lw_transform ) +
 			   bodies * ( sizeof( lwi_checker_body ) + sizeof( uint32_t ) + b->body_block_count );
 	return b->group.variables != NULL && b->group.place != NULL && b->group.reference != NULL &&
 		   b->group.reference_poses != NULL && b->bodies != NULL && b->moving_bodies != NULL && b->self.mask != NULL &&

@@ -461,16 +461,20 @@ static void search_candidates( const lw_checker* checker, lw_query* query, uint3
 	}
 }
 
+uint32_t lwi_checker_near_self( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
+{
+	const lwi_self_proxies* proxies = &checker->base->tree->self.proxies;
+	// Without a bound nothing would be ruled out. Steps need a proof of the state, unless there are too many proxies.
+	const bool at_once = bound->cutoff < INFINITY && proxies->count > 0 && ( proxies->few || !query->pose.covered );
+	const uint32_t count = at_once ? compare_proxies( checker, query, bound ) : walk_steps( checker, query, bound );
+	lwi_heap_build( query->scratch.candidates, count );
+	return count;
+}
+
 static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* bound )
 {
 	measure_known( checker, query, bound );
-	const lwi_self_proxies* proxies = &checker->base->tree->self.proxies;
-	// Without a bound nothing would be ruled out. Steps need a proof of the state, unless there are too many proxies.
-	bool at_once = bound->cutoff < INFINITY && proxies->count > 0 && ( proxies->few || !query->pose.covered );
-	uint32_t count = bound->done ? 0
-					 : at_once   ? compare_proxies( checker, query, bound )
-								 : walk_steps( checker, query, bound );
-	lwi_heap_build( query->scratch.candidates, count );
+	const uint32_t count = bound->done ? 0 : lwi_checker_near_self( checker, query, bound );
 	search_candidates( checker, query, count, bound );
 	lwi_search_waiting( &query->search, bound );
 }
@@ -565,15 +569,6 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 		lwi_checker_self_pair( checker, query, id, cached, &bound );
 	}
 	self_result( checker, query, &bound, a, b, out );
-}
-
-uint32_t lwi_checker_near_self( const lw_checker* checker, lw_query* query, const lwi_bound* bound )
-{
-	const lwi_self_proxies* proxies = &checker->base->tree->self.proxies;
-	const bool at_once = bound->cutoff < INFINITY && proxies->count > 0 && ( proxies->few || !query->pose.covered );
-	const uint32_t count = at_once ? compare_proxies( checker, query, bound ) : walk_steps( checker, query, bound );
-	lwi_heap_build( query->scratch.candidates, count );
-	return count;
 }
 
 uint32_t lwi_checker_next_near_self( const lw_checker* checker, lw_query* query, const lwi_bound* bound, uint32_t* count )

@@ -16,7 +16,7 @@ struct lwv_apart
 	uint32_t capacity;
 };
 
-/// True if the checker has what it needs, else memory was too small.
+/// True if the checker could be made in the memory that the page gives.
 static bool make( lwv_apart* apart, const lwv_pair* pairs )
 {
 	uint32_t objects = 0;
