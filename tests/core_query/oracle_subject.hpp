@@ -214,11 +214,11 @@ inline void make_primitive( SeededRng& rng, double size, Subject& out )
 		break;
 	}
 	case LW_SHAPE_BOX:
-		m.solid = { LWI_CONVEX_BOX, { 0.5 * d[0], 0.5 * d[1], 0.5 * d[2] }, {}, nullptr, 0 };
+		m.solid = { LWI_CONVEX_BOX, { 0.5 * d[0], 0.5 * d[1], 0.5 * d[2] }, {}, nullptr, 0, nullptr };
 		break;
 	default:
-		m.solid = {
-		    out.type == LW_SHAPE_CONE ? LWI_CONVEX_CONE : LWI_CONVEX_CYLINDER, { d[0], 0.5 * d[1], 0 }, {}, nullptr, 0 };
+		m.solid = { out.type == LW_SHAPE_CONE ? LWI_CONVEX_CONE : LWI_CONVEX_CYLINDER, { d[0], 0.5 * d[1], 0 }, {}, nullptr,
+		    0, nullptr };
 	}
 	out.shape = makePrimitive( out.type, d[0], d[1], d[2] );
 }

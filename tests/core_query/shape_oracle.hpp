@@ -235,7 +235,7 @@ inline Interval piece_distance( const Piece& x, const Piece& y, const Pose& x_fr
 	else
 	{
 		lwi_convex triangle = { LWI_CONVEX_TRIANGLE, { 0, 0, 0 },
-		    { to_double( y.v[0] ), to_double( y.v[1] ), to_double( y.v[2] ) }, nullptr, 0 };
+		    { to_double( y.v[0] ), to_double( y.v[1] ), to_double( y.v[2] ) }, nullptr, 0, nullptr };
 		lw_transform m = y.corners == 0 ? to_transform( x_from_y ) : lw_transform_identity();
 		return distance( *x.solid, y.corners == 0 ? *y.solid : triangle, m, 1e-11L * scale, 800, enough );
 	}

@@ -241,6 +241,7 @@ static lw_status read_tree( lwi_reader* r, lw_shape* shape, uint32_t index, lw_d
 	// LWI_MAX_DEPTH, and once it has met more nodes than there are. A query's walk is a part of it.
 	status = status == LW_OK ? lwi_shape_validate( shape, &inner ) : status;
 	status = status == LW_OK ? lwi_shape_find_obbs( shape, &inner ) : status;
+	status = status == LW_OK ? lwi_shape_find_convexity( shape, &inner ) : status;
 	status = status == LW_OK ? lwi_shape_find_extreme_points( shape, &inner ) : status;
 	if ( status == LW_ERROR_OUT_OF_MEMORY )
 	{

@@ -47,6 +47,7 @@ static lw_vec3 make_piece( const lwi_convex* shape, lwi_support_map* piece )
 {
 	lw_vec3 origin = { 0.0, 0.0, 0.0 };
 	piece->type = shape->type;
+	piece->last = 0;
 	if ( shape->type == LWI_CONVEX_TRIANGLE )
 	{
 		origin = shape->vertex[0];
@@ -61,7 +62,16 @@ static lw_vec3 make_piece( const lwi_convex* shape, lwi_support_map* piece )
 	{
 		piece->points = shape->points;
 		piece->point_count = shape->point_count;
-		measure_points( piece );
+		piece->mesh = shape->mesh;
+		if ( shape->mesh != NULL )
+		{
+			piece->radius = shape->mesh->reach;
+			piece->vertex[1] = shape->mesh->mean;
+		}
+		else
+		{
+			measure_points( piece );
+		}
 		return lwi_load( shape->points );
 	}
 	const double* s = shape->size;
@@ -109,11 +119,17 @@ static lw_vec3 centroid( const lwi_support_map* piece )
 	return lwi_scale( 1.0 / 3.0, lwi_add( piece->vertex[1], piece->vertex[2] ) );
 }
 
-/// Adds the support point of a - b against v to the simplex.
-static vec_d add_support( const lwi_pair* pair, lw_vec3 v, lwi_simplex* simplex )
+static bool climbs( const lwi_support_map* piece )
 {
-	lw_vec3 a = lwi_support_point( &pair->a, lwi_scale( -1.0, v ) );
-	lw_vec3 b = lwi_support_point( &pair->b, lwi_unrotate( &pair->place, v ) );
+	return piece->type == LWI_CONVEX_POINTS && piece->mesh != NULL;
+}
+
+/// Adds the support point of a - b against v to the simplex. @param climb meshes climb, which may end short of the farthest vertex
+static vec_d add_support( lwi_pair* pair, lw_vec3 v, bool climb, lwi_simplex* simplex )
+{
+	const lw_vec3 n = lwi_scale( -1.0, v ), m = lwi_unrotate( &pair->place, v );
+	lw_vec3 a = climb && climbs( &pair->a ) ? lwi_points_climb( &pair->a, n ) : lwi_support_point( &pair->a, n );
+	lw_vec3 b = climb && climbs( &pair->b ) ? lwi_points_climb( &pair->b, m ) : lwi_support_point( &pair->b, m );
 	lw_vec3 w = lwi_sub( a, lwi_transform( &pair->place, b ) );
 	simplex->a[simplex->count] = a;
 	simplex->b[simplex->count] = b;
@@ -168,8 +184,14 @@ static void offer_witness( const lwi_pair* pair, const lwi_simplex* simplex, lwi
 	}
 }
 
+/// The gap that the plane normal to v leaves. @param w the support point of a - b against v
+static double gap_of( lw_vec3 v, vec_d w )
+{
+	return ( v.x * w.x + v.y * w.y + v.z * w.z ) / lwi_length( v );
+}
+
 /// @return true if the bounds meet the stopping rule; otherwise the search goes on from the simplex
-static bool gjk( const lwi_pair* pair, double width, double stop_above, double stop_below, lwi_simplex* simplex,
+static bool gjk( lwi_pair* pair, double width, double stop_above, double stop_below, lwi_simplex* simplex,
 	lwi_bounds* bounds )
 {
 	double rounding = LWI_CONVEX_ROUNDING * pair->extent;
@@ -180,12 +202,24 @@ static bool gjk( const lwi_pair* pair, double width, double stop_above, double s
 	}
 	vec_d w[4];
 	simplex->count = 0;
+	bool climb = climbs( &pair->a ) || climbs( &pair->b );
 	for ( ;; )
 	{
 		// The plane through the support point normal to v has all of a - b behind it.
-		vec_d next = add_support( pair, v, simplex );
-		double gap = ( v.x * next.x + v.y * next.y + v.z * next.z ) / lwi_length( v ) - rounding;
-		bounds->lower = gap > bounds->lower ? gap : bounds->lower;
+		vec_d next = add_support( pair, v, climb, simplex );
+		double gap = gap_of( v, next ) - rounding;
+		if ( climb ) // a gap that would end the search is looked at with all vertices, others prove nothing
+		{
+			lwi_bounds hoped = *bounds;
+			hoped.lower = gap > hoped.lower ? gap : hoped.lower;
+			climb = !lwi_bounds_done( &hoped, rounding, width, stop_above, stop_below );
+			if ( !climb )
+			{
+				next = add_support( pair, v, false, simplex );
+				gap = gap_of( v, next ) - rounding;
+			}
+		}
+		bounds->lower = gap > bounds->lower && !climb ? gap : bounds->lower;
 		if ( lwi_bounds_done( bounds, rounding, width, stop_above, stop_below ) )
 		{
 			return true;
@@ -313,5 +347,6 @@ lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b,
 	}
 	// Lower may exceed upper where both are the distance to rounding
 	return ( lwi_convex_result ){ lwi_clamp( bounds.lower, 0.0, bounds.upper ), bounds.upper,
-		lwi_add( bounds.point_a, origin_a ), lwi_add( bounds.point_b, origin_a ), bounds.iterations };
+		lwi_add( bounds.point_a, origin_a ), lwi_add( bounds.point_b, origin_a ), bounds.iterations, pair.a.last,
+		pair.b.last };
 }

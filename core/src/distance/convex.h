@@ -4,7 +4,7 @@
 #define LEEWAY_DISTANCE_CONVEX_H
 
 #include "leeway/math.h"
-#include "leeway/shape.h"
+#include "shape/shape.h"
 
 #include <float.h>
 
@@ -37,6 +37,8 @@ typedef struct lwi_convex
 	lw_vec3 vertex[3];    ///< of a triangle
 	const double* points; ///< [point_count][3] of POINTS, the caller's
 	uint32_t point_count; ///< >= 1
+	/// Of POINTS that are the vertices of a convex mesh, else NULL: supports climb from vertex to vertex.
+	const lwi_convex_mesh* mesh;
 } lwi_convex;
 
 /// lower <= true distance <= upper; upper = |point_a - point_b| up to rounding, points in frame a.
@@ -45,6 +47,7 @@ typedef struct lwi_convex_result
 	double lower, upper;
 	lw_vec3 point_a, point_b;
 	uint32_t iterations;
+	uint32_t vertex_a, vertex_b; ///< of convex meshes: a vertex that is foremost, or nearly
 } lwi_convex_result;
 
 /// Distance of two convex pieces; 0 if they touch. Never fails and never loops without end: at the iteration limit the

@@ -17,7 +17,9 @@ typedef struct lwi_support_map
 	lw_vec3 vertex[3];    ///< vertex[0] = 0. Of POINTS: [1] is their mean
 	const double* points; ///< of POINTS: in the shape's frame, about points[0]
 	uint32_t point_count;
-	double radius; ///< >= |x| for all its points
+	const lwi_convex_mesh* mesh; ///< nullable, of POINTS
+	uint32_t last;               ///< of a mesh: the vertex where the last climb ended
+	double radius;               ///< >= |x| for all its points
 } lwi_support_map;
 
 /// The pair: pieces a and b about their reference points, b placed by rotation and offset (from a's point to b's).
@@ -59,6 +61,40 @@ static inline lw_vec3 lwi_points_support( const lwi_support_map* piece, lw_vec3 
 			most = d;
 			best = v;
 		}
+	}
+	return best;
+}
+
+/// The vertex of a mesh at which no neighbour is farther along n: the farthest one but for rounding. Cost: of a few vertices.
+static inline lw_vec3 lwi_points_climb( lwi_support_map* piece, lw_vec3 n )
+{
+	const lw_vec3 origin = lwi_load( piece->points );
+	const uint32_t start = piece->mesh->start[lwi_direction_cell( n )];
+	lw_vec3 best = lwi_sub( lwi_load( piece->points + 3 * (size_t)piece->last ), origin );
+	const lw_vec3 other = lwi_sub( lwi_load( piece->points + 3 * (size_t)start ), origin );
+	double most = lwi_dot( n, best );
+	if ( lwi_dot( n, other ) > most )
+	{
+		most = lwi_dot( n, other );
+		best = other;
+		piece->last = start;
+	}
+	for ( uint32_t at = piece->last, from = LW_INVALID_INDEX; at != from; )
+	{
+		from = at;
+		for ( uint32_t i = piece->mesh->first[from]; i < piece->mesh->first[from + 1]; ++i )
+		{
+			const uint32_t to = piece->mesh->neighbours[i];
+			const lw_vec3 v = lwi_sub( lwi_load( piece->points + 3 * (size_t)to ), origin );
+			const double d = lwi_dot( n, v );
+			if ( d > most )
+			{
+				most = d;
+				best = v;
+				at = to;
+			}
+		}
+		piece->last = at;
 	}
 	return best;
 }

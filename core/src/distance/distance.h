@@ -79,8 +79,14 @@ void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* 
 
 /// The element index of a witness as callers see it: of a triangle, point, sphere or box. LW_INVALID_INDEX for the one point
 /// of a sphere, the segment of a capsule (both internal), and primitives.
-static inline uint32_t lwi_named_element( const lw_shape* shape, uint32_t element )
+/// @param point the witness in the shape's frame
+static inline uint32_t lwi_named_element( const lw_shape* shape, uint32_t element, lw_vec3 point )
 {
+	const lw_shape* made = lwi_shape_now( shape );
+	if ( made->convex != NULL && element != LW_INVALID_INDEX )
+	{
+		return lwi_convex_mesh_triangle( made, point, made->indices[3 * (size_t)element] );
+	}
 	return shape->type == LW_SHAPE_SPHERE || shape->type == LW_SHAPE_CAPSULE ? LW_INVALID_INDEX : element;
 }
 

@@ -25,8 +25,7 @@ static void dilate( double radius_a, double radius_b, double distance, lw_vec3* 
 	*point_b = lwi_add_scaled( b, -from_b, direction );
 }
 
-/// Offers the distance [lower, upper] of two items without their dilation.
-static void offer( lwi_searching* s, double lower, double upper, lw_vec3 point_a, lw_vec3 point_b, uint32_t item_a,
+void lwi_offer_items( lwi_searching* s, double lower, double upper, lw_vec3 point_a, lw_vec3 point_b, uint32_t item_a,
 	uint32_t item_b )
 {
 	double radius_a = s->a->primitive ? 0 : lwi_item_radius( s->a, item_a );
@@ -56,7 +55,7 @@ static void measure_balls( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 	lw_vec3 a = lwi_load( s->a->vertices + 3 * (size_t)item_a );
 	lw_vec3 b = lwi_transform( s->a_from_b, lwi_load( s->b->vertices + 3 * (size_t)item_b ) );
 	double distance = lwi_distance( a, b );
-	offer( s, distance - s->error, distance, a, b, item_a, item_b );
+	lwi_offer_items( s, distance - s->error, distance, a, b, item_a, item_b );
 }
 
 /// Triangles, or a ball and a triangle.
@@ -73,10 +72,10 @@ static void measure_triangles( lwi_searching* s, uint32_t item_a, uint32_t item_
 	lwi_shared_feature shared;
 	if ( !lwi_shared_feature_find( s, item_a, item_b, a, b, r.distance, r.point_a, r.point_b, &shared ) )
 	{
-		offer( s, r.distance - s->error, r.distance, r.point_a, r.point_b, item_a, item_b );
+		lwi_offer_items( s, r.distance - s->error, r.distance, r.point_a, r.point_b, item_a, item_b );
 		return;
 	}
-	offer( s, shared.distance - s->error, shared.distance, shared.point_a, shared.point_b, item_a, item_b );
+	lwi_offer_items( s, shared.distance - s->error, shared.distance, shared.point_a, shared.point_b, item_a, item_b );
 	if ( s->shared.count_a == 0 || shared.distance <= s->shared.distance )
 	{
 		s->shared = shared;
@@ -127,7 +126,8 @@ static void measure_convex( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 	// a distance is far enough to stop if it is at least cutoff after subtracting the error
 	double stop_above = s->bound->cutoff + radii + 2 * s->error;
 	lwi_convex_result r = lwi_convex_distance( &a, &b, &place, stop_above, stop_below );
-	offer( s, r.lower - s->error, r.upper, lwi_add( r.point_a, center_a ), lwi_add( r.point_b, center_a ), item_a, item_b );
+	lwi_offer_items( s, r.lower - s->error, r.upper, lwi_add( r.point_a, center_a ), lwi_add( r.point_b, center_a ), item_a,
+		item_b );
 }
 
 /// Points of a piece that are lowest and highest above a plane.
@@ -210,7 +210,7 @@ static void measure_unbounded( lwi_searching* s, uint32_t item_a, uint32_t item_
 		q = height != 0 ? lwi_transform( m, q ) : p;
 	}
 	double distance = fabs( height );
-	offer( s, distance - s->error, distance, plane_is_a ? q : p, plane_is_a ? p : q, item_a, item_b );
+	lwi_offer_items( s, distance - s->error, distance, plane_is_a ? q : p, plane_is_a ? p : q, item_a, item_b );
 }
 
 void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b )

@@ -249,6 +249,15 @@ bool lwi_boxes_are_apart( const lw_shape* a, const lw_shape* b, const lw_transfo
 /// Measures one item of a against one of b in double and offers the result. LW_INVALID_INDEX for shapes without items.
 void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b );
 
+/// Offers the distance [lower, upper] of two items without their dilation. @param point_a, point_b a's shape frame
+void lwi_offer_items( lwi_searching* s, double lower, double upper, lw_vec3 point_a, lw_vec3 point_b, uint32_t item_a,
+	uint32_t item_b );
+
+// --- distance/convex_bodies.c ------------------------------------------------------------------------------------------------
+
+/// Measures two convex bodies, one of them a mesh, at once. False if they are none, or not proved to be apart.
+bool lwi_search_convex( lwi_searching* s );
+
 // --- distance/items.c ------------------------------------------------------------------------------------------------
 
 /// Corners of an item of a mesh, of boxes, or of balls: 3, 8, or the centre. Returns their count.
@@ -265,6 +274,9 @@ lwi_convex lwi_convex_of_primitive( const lw_shape* shape );
 /// Looks at two items that were measured: are they as near as the nearest two points, elsewhere or along an edge or face?
 /// @param distance of the items @param point_a, point_b their nearest points, a's shape frame
 void lwi_note_tie( lwi_searching* s, double distance, lw_vec3 point_a, lw_vec3 point_b, uint32_t item_a, uint32_t item_b );
+
+/// The same for two convex bodies that are apart: their nearest points are the only ones, unless faces or edges are parallel.
+void lwi_note_tie_of_bodies( lwi_searching* s );
 
 // --- distance/shared_feature.c ---------------------------------------------------------------------------------------------------
 

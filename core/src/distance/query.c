@@ -136,6 +136,10 @@ static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_
 		return; // so nothing is inside of the other either
 	}
 	lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
+	if ( memory->def.planes && lwi_search_convex( &s ) )
+	{
+		return;
+	}
 	if ( a->primitive && b->primitive )
 	{
 		lwi_measure_items( &s, LW_INVALID_INDEX, LW_INVALID_INDEX );
@@ -210,6 +214,14 @@ void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* 
 {
 	a = lwi_shape_now( a );
 	b = lwi_shape_now( b );
+	if ( a->convex != NULL || b->convex != NULL )
+	{
+		lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
+		if ( lwi_search_convex( &s ) )
+		{
+			return; // costs as much as two triangles
+		}
+	}
 	if ( ( a->primitive || item_a < a->item_count ) && ( b->primitive || item_b < b->item_count ) )
 	{
 		lwi_searching s = search_begin( memory, a, b, a_from_b, bound );

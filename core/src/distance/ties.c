@@ -6,34 +6,36 @@
 /// Sine of an angle below which two edges are parallel.
 #define PARALLEL 1e-7
 
-/// The points of an item that are foremost along a direction.
+/// The points of an item, or of a convex body, that are foremost along a direction.
 typedef struct front
 {
 	int dimension; ///< 0: a point, 1: an edge, 2: a face
 	lw_vec3 along; ///< of an edge, in the item's frame; not unit
 } front;
 
-static front front_of_corners( const lw_vec3* corners, uint32_t count, lw_vec3 n, double width )
+/// @param corners [count][3]
+static front front_of_corners( const double* corners, uint32_t count, lw_vec3 n, double width )
 {
 	double foremost = -INFINITY;
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		foremost = fmax( foremost, lwi_dot( n, corners[i] ) );
+		foremost = fmax( foremost, lwi_dot( n, lwi_load( corners + 3 * (size_t)i ) ) );
 	}
 	front out = { 0, { 0, 0, 0 } };
 	lw_vec3 first = { 0, 0, 0 };
 	bool any = false;
 	for ( uint32_t i = 0; i < count; ++i )
 	{
-		if ( lwi_dot( n, corners[i] ) < foremost - width )
+		const lw_vec3 corner = lwi_load( corners + 3 * (size_t)i );
+		if ( lwi_dot( n, corner ) < foremost - width )
 		{
 			continue;
 		}
-		const lw_vec3 along = lwi_sub( corners[i], first );
+		const lw_vec3 along = lwi_sub( corner, first );
 		const double size = lwi_length( along );
 		if ( !any )
 		{
-			first = corners[i];
+			first = corner;
 			any = true;
 		}
 		else if ( out.dimension == 0 && size > 0 )
@@ -68,17 +70,22 @@ static front front_of_round( const lwi_convex* piece, lw_vec3 n, double width )
 	return ( front ){ fabs( lwi_dot( n, along ) ) <= width ? 1 : 0, along };
 }
 
-/// @param n in the shape's frame
+/// @param item LW_INVALID_INDEX: all of a body that is convex @param n in the shape's frame
 static front front_of_item( const lw_shape* shape, uint32_t item, lw_vec3 n, double width )
 {
 	if ( shape->family == LWI_UNBOUNDED )
 	{
 		return ( front ){ 2, { 0, 0, 0 } };
 	}
+	if ( item == LW_INVALID_INDEX && shape->convex != NULL )
+	{
+		return front_of_corners( shape->vertices, shape->vertex_count, n, width );
+	}
 	lw_vec3 corners[8];
 	if ( shape->family != LWI_CONVEX )
 	{
-		return front_of_corners( corners, lwi_item_corners( shape, item, corners ), n, width );
+		return front_of_corners( &corners[0].x, lwi_item_corners( shape, item == LW_INVALID_INDEX ? 0 : item, corners ), n,
+			width );
 	}
 	const lwi_convex piece = lwi_convex_of_primitive( shape );
 	if ( piece.type != LWI_CONVEX_BOX )
@@ -90,7 +97,7 @@ static front front_of_item( const lw_shape* shape, uint32_t item, lw_vec3 n, dou
 		corners[i] = lwi_v3( ( i & 1 ) != 0 ? piece.size[0] : -piece.size[0],
 			( i & 2 ) != 0 ? piece.size[1] : -piece.size[1], ( i & 4 ) != 0 ? piece.size[2] : -piece.size[2] );
 	}
-	return front_of_corners( corners, 8, n, width );
+	return front_of_corners( &corners[0].x, 8, n, width );
 }
 
 /// True if both items face each other by more than a point.
@@ -116,4 +123,9 @@ void lwi_note_tie( lwi_searching* s, double distance, lw_vec3 point_a, lw_vec3 p
 	}
 	ties->found = lwi_distance( point_a, ties->point_a ) > ties->apart ||
 				  lwi_distance( point_b, ties->point_b ) > ties->apart || fronts_are_parallel( s, item_a, item_b );
+}
+
+void lwi_note_tie_of_bodies( lwi_searching* s )
+{
+	s->bound->ties->found = fronts_are_parallel( s, LW_INVALID_INDEX, LW_INVALID_INDEX );
 }

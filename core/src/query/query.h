@@ -107,10 +107,10 @@ static inline bool lwi_cached_pair_pays( const lw_query* query, const lwi_cached
 	return query->search.def.warm_start && cached->valid && cached->clearance < bound->cutoff;
 }
 
-/// Of two primitives there is one measurement, which the search makes.
+/// Of two convex bodies there is one measurement, which the search makes.
 static inline bool lwi_memory_pays( const lw_shape* a, const lw_shape* b )
 {
-	return !a->primitive || !b->primitive;
+	return ( !a->primitive && a->convex == NULL ) || ( !b->primitive && b->convex == NULL );
 }
 
 /// lwi_measure() of the pair that was nearest last time: offers its distance in the current state to the bound.

@@ -36,8 +36,8 @@ lw_status lw_shape_distance( const lw_shape* a, const lw_transform* world_from_a
 	{
 		out->point_a = lwi_transform( &pose_a, bound.point_a );
 		out->point_b = lwi_transform( &pose_a, bound.point_b );
-		out->a = lwi_named_element( a, bound.triangle_a );
-		out->b = lwi_named_element( b, bound.triangle_b );
+		out->a = lwi_named_element( a, bound.triangle_a, bound.point_a );
+		out->b = lwi_named_element( b, bound.triangle_b, lwi_untransform( &a_from_b, bound.point_b ) );
 	}
 	return LW_OK;
 }

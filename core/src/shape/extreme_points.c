@@ -172,6 +172,7 @@ static lw_shape piece_of( const lw_shape* shape, uint32_t child )
 	piece.indices = NULL;
 	piece.vertex_count = piece.item_count = piece.extreme_blocks = piece.part_count = 0;
 	piece.extreme_points = NULL;
+	piece.convex = NULL;
 	for ( int k = 0; k < 3; ++k )
 	{
 		piece.sphere_center[k] = (double)sphere[k] + shape->origin[k];

@@ -45,6 +45,10 @@ static void free_shape( lw_shape* shape )
 	{
 		lwi_free( &allocator, shape->obbs, shape->node_count * sizeof( lwi_obb8 ) );
 	}
+	if ( shape->convex != NULL )
+	{
+		lwi_free( &allocator, shape->convex, shape->convex->bytes );
+	}
 	lwi_shape_free_extreme_points( shape );
 	lwi_free( &allocator, shape->leaves, shape->leaf_count * sizeof( lwi_leaf ) );
 	lwi_free( &allocator, shape->ball_leaves, shape->leaf_count * sizeof( lwi_ball_leaf ) );

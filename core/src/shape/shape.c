@@ -200,6 +200,7 @@ lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* dia
 	shape->box_leaves = tree.box_leaves;
 	lwi_shape_finish( shape );
 	status = lwi_shape_find_obbs( shape, diag );
+	status = status == LW_OK ? lwi_shape_find_convexity( shape, diag ) : status;
 	return status == LW_OK ? lwi_shape_find_extreme_points( shape, diag ) : status;
 }
 

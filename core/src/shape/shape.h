@@ -19,8 +19,9 @@ LW_EXTERN_C_BEGIN
 
 enum
 {
-	LWI_MAX_PARTS = 16,     ///< connected parts of a mesh that are known one by one
-	LWI_EXTREME_BLOCKS = 8, ///< of the extreme points of a shape, at most
+	LWI_MAX_PARTS = 16,              ///< connected parts of a mesh that are known one by one
+	LWI_EXTREME_BLOCKS = 8,          ///< of the extreme points of a shape, at most
+	LWI_MOST_CONVEX_VERTICES = 1024, ///< of meshes that are searched as one convex body
 	LWI_DENSE_MESH = 256 ///< triangles from which a mesh has pieces: searches of fewer take no longer than planes of pieces
 };
 
@@ -69,6 +70,28 @@ typedef struct lwi_deferred
 	LWI_ATOMIC( lw_shape* ) made; ///< NULL until then; a reference
 } lwi_deferred;
 
+/// A mesh that is the surface of a convex body: of its vertices' hull, about the first vertex.
+typedef struct lwi_convex_mesh
+{
+	double reach;         ///< of the vertices
+	lw_vec3 mean;         ///< of the vertices
+	double excess;        ///< metres: no point of the hull's boundary is farther from the surface
+	size_t bytes;         ///< of this and the arrays
+	uint32_t* first;      ///< [vertex_count + 1] where a vertex' neighbours begin, the end last
+	uint32_t* neighbours; ///< along edges
+	uint32_t* triangles;  ///< of these edges, seen from outside on their left
+	uint32_t start[27];   ///< a vertex that is far along the directions of each cell of lwi_direction_cell()
+} lwi_convex_mesh;
+
+/// The 27 cells of directions: in each coordinate well below, near or well above 0.
+static inline uint32_t lwi_direction_cell( lw_vec3 n )
+{
+	const double most = 0.4142 * fmax( fabs( n.x ), fmax( fabs( n.y ), fabs( n.z ) ) );
+	const uint32_t x = (uint32_t)( 1 + ( n.x > most ) - ( n.x < -most ) ),
+				   y = (uint32_t)( 1 + ( n.y > most ) - ( n.y < -most ) );
+	return 9 * x + 3 * y + (uint32_t)( 1 + ( n.z > most ) - ( n.z < -most ) );
+}
+
 struct lw_shape
 {
 	lwi_refcount references;
@@ -111,6 +134,7 @@ struct lw_shape
 	lwi_leaf* leaves;           ///< of triangles
 	lwi_ball_leaf* ball_leaves; ///< of balls
 	lwi_box_leaf* box_leaves;   ///< of boxes
+	lwi_convex_mesh* convex;    ///< of a convex mesh, else NULL
 	uint32_t extreme_blocks; ///< vertices of a bounded shape far along some directions, inside its convex hull; tree frame
 	lwi_points8* extreme_points;
 
@@ -229,6 +253,14 @@ lw_status lwi_shape_find_obbs( lw_shape* shape, lw_diag* diag );
 lw_status lwi_shape_find_extreme_points( lw_shape* shape, lw_diag* diag );
 
 void lwi_shape_free_extreme_points( lw_shape* shape ); ///< and its pieces
+
+/// Fills `hull` of a mesh that is convex. Cost: O(vertices triangles), of meshes that are closed and of few vertices.
+/// @return LW_OK, also for other meshes, or LW_ERROR_OUT_OF_MEMORY
+lw_status lwi_shape_find_convexity( lw_shape* shape, lw_diag* diag );
+
+/// A triangle of a convex mesh that a point of its surface is on, to rounding. Cost: of the triangles at `vertex`, if it is on one of
+/// these, else O(triangles).
+uint32_t lwi_convex_mesh_triangle( const lw_shape* shape, lw_vec3 point, uint32_t vertex );
 
 /// All steps, for a shape whose vertices, indices, radii and counts are set.
 lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* diag );

@@ -7,6 +7,7 @@
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <vector>
 
@@ -19,7 +20,7 @@ namespace
 using namespace nb::literals;
 
 constexpr std::size_t block_of_states = 32;
-constexpr std::uint32_t first_capacity = 64;
+constexpr std::uint32_t first_capacity = 64; // rows; grows with the states that have more
 
 /// The near pairs of one state.
 struct NearState
@@ -34,36 +35,38 @@ struct Question
 	lw_near_def def;
 	bool derivatives;
 	double* links; ///< [states][links]
+	mutable std::atomic<std::uint32_t> capacity{ first_capacity };
 
 	/// All near pairs, whatever their number.
 	NearState ask( lw_query* query, const Rows& rows, std::size_t i ) const
 	{
 		NearState out;
-		out.rows.resize( first_capacity );
+		out.rows.resize( capacity );
 		for ( ;; )
 		{
-			const auto capacity = static_cast<std::uint32_t>( out.rows.size() );
+			const auto room = static_cast<std::uint32_t>( out.rows.size() );
 			lw_near_def wanted = def;
 			if ( derivatives )
 			{
-				out.derivatives.resize( std::size_t( capacity ) * checker.variables() );
+				out.derivatives.resize( std::size_t( room ) * checker.variables() );
 				wanted.derivatives = out.derivatives.data();
 			}
 			wanted.link_clearance = links + i * lw_robot_link_count( lw_checker_robot( checker.get() ) );
 			std::uint32_t count = 0;
 			const lw_status status =
-			    lw_checker_near( checker.get(), query, rows[i], &wanted, out.rows.data(), capacity, &count );
+			    lw_checker_near( checker.get(), query, rows[i], &wanted, out.rows.data(), room, &count );
 			if ( status != LW_OK )
 			{
 				failState( status, rows, i );
 			}
-			if ( count <= capacity )
+			if ( count <= room )
 			{
 				out.rows.resize( count );
 				out.derivatives.resize( derivatives ? count * checker.variables() : 0 );
 				return out;
 			}
 			out.rows.resize( count );
+			capacity = std::max<std::uint32_t>( capacity, count + count / 4 ); // the next states are like this one
 		}
 	}
 };
@@ -127,7 +130,7 @@ nb::object near( const PyChecker& checker, const Doubles& q, double distance, co
 	const std::size_t link_count = lw_robot_link_count( lw_checker_robot( checker.get() ) );
 	const NewArray<double> links =
 	    rows.single ? NewArray<double>( { link_count } ) : NewArray<double>( { rows.count, link_count } );
-	Question question = { checker, lw_near_def_default(), derivatives, links.data };
+	Question question{ checker, lw_near_def_default(), derivatives, links.data };
 	question.def.flags = checkFlags( check );
 	question.def.distance = distance;
 	question.def.alpha = alpha;

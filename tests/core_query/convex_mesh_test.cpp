@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Meshes that are convex are measured as one body. The oracle is brute force over their triangles, which knows nothing of hulls; hulls
+// are found by testing every triple of points.
+#include "sanitized.hpp"
+#include "shapes.hpp"
+
+#include "distance/tri_tri.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+
+namespace
+{
+
+using Point = std::array<double, 3>;
+
+struct Hull
+{
+	std::vector<double> vertices;
+	std::vector<uint32_t> indices;
+
+	Point at( uint32_t i ) const { return { vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2] }; }
+};
+
+double height( const Hull& h, uint32_t a, uint32_t b, uint32_t c, uint32_t p )
+{
+	const Point o = h.at( a ), u = h.at( b ), v = h.at( c ), w = h.at( p );
+	double m[3][3];
+	for ( std::size_t k = 0; k < 3; ++k )
+	{
+		m[0][k] = u[k] - o[k];
+		m[1][k] = v[k] - o[k];
+		m[2][k] = w[k] - o[k];
+	}
+	return m[0][0] * ( m[1][1] * m[2][2] - m[1][2] * m[2][1] ) - m[0][1] * ( m[1][0] * m[2][2] - m[1][2] * m[2][0] ) +
+	       m[0][2] * ( m[1][0] * m[2][1] - m[1][1] * m[2][0] );
+}
+
+/// Points of an ellipsoid, and the triangles of their hull, turned at random.
+Hull randomHull( SeededRng& rng, uint32_t count, double size )
+{
+	Hull hull;
+	const double axes[3] = { size, size * rng.decade( -1.5, 0 ), size * rng.decade( -1.5, 0 ) };
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		double p[3], length = 0;
+		for ( double& x : p )
+		{
+			x = rng.normal();
+			length += x * x;
+		}
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			hull.vertices.push_back( axes[k] * p[k] / std::sqrt( length ) + 0.3 * size );
+		}
+	}
+	for ( uint32_t a = 0; a < count; ++a )
+	{
+		for ( uint32_t b = a + 1; b < count; ++b )
+		{
+			for ( uint32_t c = b + 1; c < count; ++c )
+			{
+				int above = 0, below = 0;
+				for ( uint32_t p = 0; p < count; ++p )
+				{
+					const double z = p == a || p == b || p == c ? 0 : height( hull, a, b, c, p );
+					above += z > 0;
+					below += z < 0;
+				}
+				if ( above == 0 || below == 0 )
+				{
+					const bool turn = rng.integer( 0, 1 ) == 1;
+					hull.indices.insert( hull.indices.end(), { a, turn ? c : b, turn ? b : c } );
+				}
+			}
+		}
+	}
+	return hull;
+}
+
+lw_shape* shapeOf( const Hull& hull, bool solid = false )
+{
+	lw_mesh_def def = lw_mesh_def_default();
+	def.vertices = hull.vertices.data();
+	def.vertex_count = static_cast<uint32_t>( hull.vertices.size() / 3 );
+	def.indices = hull.indices.data();
+	def.triangle_count = static_cast<uint32_t>( hull.indices.size() / 3 );
+	def.solid = solid;
+	lw_shape* shape = nullptr;
+	EXPECT_EQ( LW_OK, lw_shape_create_mesh( &def, nullptr, nullptr, &shape ) );
+	return shape;
+}
+
+lw_clearance distanceOf(
+    const lw_shape* a, const lw_transform& pose_a, const lw_shape* b, const lw_transform& pose_b, const QueryPtr& query )
+{
+	lw_clearance out;
+	EXPECT_EQ( LW_OK, lw_shape_distance( a, &pose_a, b, &pose_b, nullptr, query.get(), &out ) );
+	return out;
+}
+
+/// A convex mesh is measured once; a tree takes several triangles.
+bool isOneBody( const Hull& hull, double size = 1 )
+{
+	const ShapePtr shape( shapeOf( hull ) );
+	const ShapePtr box = makePrimitive( LW_SHAPE_BOX, 0.1 * size, 0.2 * size, 0.3 * size );
+	const QueryPtr query = makeQuery();
+	const lw_transform here = lw_transform_identity(), there = at( 3 * size, 0.1 * size, 0.2 * size );
+	distanceOf( shape.get(), here, box.get(), there, query );
+	const lw_query_stats stats = lw_query_get_stats( query.get() );
+	return stats.node_tests + stats.leaf_tests == 0;
+}
+
+TEST( ConvexMeshes, HullsAreNotSeen )
+{
+	SeededRng rng( 1 );
+	for ( int i = 0; i < 40; ++i )
+	{
+		const double size = rng.decade( -3, 3 );
+		EXPECT_TRUE( isOneBody( randomHull( rng, static_cast<uint32_t>( rng.integer( 4, 24 ) ), size ), size ) ) << i;
+	}
+}
+
+TEST( ConvexMeshes, DentedOpenOrDoubledMeshesAreTakenForHulls )
+{
+	SeededRng rng( 2 );
+	for ( int i = 0; i < 40; ++i )
+	{
+		const Hull hull = randomHull( rng, 12, 1 );
+		Hull dented = hull, open = hull, twice = hull, doubled = hull;
+		for ( std::size_t k = 0; k < 3; ++k ) // towards the middle, at 0.3
+		{
+			double& x = dented.vertices[k];
+			x = 0.3 + ( x - 0.3 ) * 0.2;
+		}
+		open.indices.resize( open.indices.size() - 3 );
+		std::copy_n( hull.indices.begin(), 3, doubled.indices.end() - 3 ); // as many triangles as a hull
+		for ( uint32_t v : hull.indices )                                  // a second shell around the first
+		{
+			twice.indices.push_back( v + 12 );
+		}
+		for ( double x : hull.vertices )
+		{
+			twice.vertices.push_back( 0.3 + ( x - 0.3 ) * 1.5 );
+		}
+		EXPECT_FALSE( isOneBody( dented ) ) << i;
+		EXPECT_FALSE( isOneBody( open ) ) << i;
+		EXPECT_FALSE( isOneBody( doubled ) ) << i;
+		EXPECT_FALSE( isOneBody( twice ) ) << i;
+	}
+}
+
+/// The least distance of all pairs of triangles.
+double bruteOf( const Hull& a, const lw_transform& pose_a, const Hull& b, const lw_transform& pose_b )
+{
+	const auto triangle = []( const Hull& hull, const lw_transform& pose, std::size_t first, lw_vec3 out[3] )
+	{
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			const Point p = hull.at( hull.indices[first + k] );
+			out[k] = lw_transform_point( &pose, { p[0], p[1], p[2] } );
+		}
+	};
+	double least = std::numeric_limits<double>::infinity();
+	for ( std::size_t i = 0; i < a.indices.size(); i += 3 )
+	{
+		lw_vec3 x[3], y[3];
+		triangle( a, pose_a, i, x );
+		for ( std::size_t j = 0; j < b.indices.size(); j += 3 )
+		{
+			triangle( b, pose_b, j, y );
+			least = std::min( least, lwi_tri_tri( x, y ).distance );
+		}
+	}
+	return least;
+}
+
+TEST( ConvexMeshes, IntervalMissesTheDistanceOfAllTriangles )
+{
+	SeededRng rng( 3 );
+	const QueryPtr query = makeQuery();
+	int apart = 0, crossing = 0;
+	for ( int i = 0; i < unlessSanitized( 2000, 100 ); ++i )
+	{
+		const Hull a = randomHull( rng, static_cast<uint32_t>( rng.integer( 4, 16 ) ), 1 );
+		const Hull b = randomHull( rng, static_cast<uint32_t>( rng.integer( 4, 16 ) ), rng.decade( -1, 0.3 ) );
+		const lw_transform pose_a = randomPose( rng, 0.1 ), pose_b = randomPose( rng, rng.integer( 0, 1 ) == 0 ? 0.5 : 3 );
+		const ShapePtr shape_a( shapeOf( a ) ), shape_b( shapeOf( b ) );
+		const lw_clearance out = distanceOf( shape_a.get(), pose_a, shape_b.get(), pose_b, query );
+		const double truth = bruteOf( a, pose_a, b, pose_b );
+		ASSERT_LE( out.lower, truth + 3e-12 ) << i;
+		ASSERT_GE( out.upper, truth - 3e-12 ) << i;
+		ASSERT_LE( out.upper - out.lower, 3e-12 ) << i;
+		if ( truth > 0 )
+		{
+			++apart;
+			const double witness =
+			    std::hypot( out.point_a.x - out.point_b.x, out.point_a.y - out.point_b.y, out.point_a.z - out.point_b.z );
+			ASSERT_NEAR( witness, truth, 3e-12 ) << i;
+		}
+		crossing += truth == 0;
+	}
+	EXPECT_GT( apart, unlessSanitized( 800, 30 ) );
+	EXPECT_GT( crossing, unlessSanitized( 100, 5 ) );
+}
+
+TEST( ConvexMeshes, SurfaceInsideASurfaceIsContact )
+{
+	SeededRng rng( 4 );
+	const QueryPtr query = makeQuery();
+	for ( int i = 0; i < 50; ++i )
+	{
+		Hull outer = randomHull( rng, 20, 1 ), inner = outer;
+		for ( double& x : inner.vertices )
+		{
+			x = 0.3 + ( x - 0.3 ) * 0.5;
+		}
+		const lw_transform here = lw_transform_identity();
+		const ShapePtr surface( shapeOf( outer ) ), solid( shapeOf( outer, true ) ), small( shapeOf( inner ) );
+		const lw_clearance apart = distanceOf( surface.get(), here, small.get(), here, query );
+		EXPECT_GT( apart.lower, 1e-4 ) << i;
+		EXPECT_NEAR( apart.upper, bruteOf( outer, here, inner, here ), 3e-12 ) << i;
+		EXPECT_EQ( 0, distanceOf( solid.get(), here, small.get(), here, query ).upper ) << i;
+	}
+}
+
+TEST( ConvexMeshes, NamedTriangleDoesNotHoldTheWitness )
+{
+	SeededRng rng( 5 );
+	const QueryPtr query = makeQuery();
+	for ( int i = 0; i < 300; ++i )
+	{
+		const Hull a = randomHull( rng, 14, 1 );
+		const ShapePtr shape( shapeOf( a ) ), box = makePrimitive( LW_SHAPE_BOX, 0.2, 0.3, 0.4 );
+		const lw_transform here = lw_transform_identity(), there = randomPose( rng, 4 );
+		const lw_clearance out = distanceOf( shape.get(), here, box.get(), there, query );
+		if ( out.lower == 0 )
+		{
+			continue;
+		}
+		ASSERT_LT( out.a, a.indices.size() / 3 );
+		const uint32_t* corners = lw_shape_triangles( shape.get() ) + 3 * out.a;
+		std::vector<double> triangle;
+		for ( int k = 0; k < 3; ++k )
+		{
+			const double* v = lw_shape_vertices( shape.get() ) + 3 * corners[k];
+			triangle.insert( triangle.end(), v, v + 3 );
+		}
+		const ShapePtr alone = makeMesh( triangle, { 0, 1, 2 } ), point = makePrimitive( LW_SHAPE_SPHERE, 1e-9 );
+		const lw_transform witness = at( out.point_a.x, out.point_a.y, out.point_a.z );
+		EXPECT_LT( distanceOf( alone.get(), here, point.get(), witness, query ).upper, 1e-7 ) << i;
+	}
+}
+
+} // namespace
