@@ -10,11 +10,14 @@ import re
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass, field
 
+import low
+
 # Folder below the zoo folder, and the prefix of its robots' names; example-robot-data needs none.
 SOURCES = (
     ("example-robot-data", "cmeel.prefix/share/example-robot-data/robots", ""),
     ("robosuite", "robosuite", "robosuite/"),
     ("pybullet", "pybullet_data", "pybullet/"),
+    ("low", ".", "low/"),  # written by low.py
 )
 FIXED = ("fixed",)
 FOLDERS_OF_NO_MEANING = ("urdf", "robots", "robot", "models", "assets")
@@ -122,6 +125,7 @@ def assign_srdfs(robots, srdfs):
 def find(zoo):
     """All descriptions below the zoo folder, objects without joints included, sorted by name."""
     robots = []
+    low.write(pathlib.Path(zoo) / "low")
     for folder, below, prefix in SOURCES:
         base = pathlib.Path(zoo) / folder / below
         # pybullet_data/random_urdfs are a thousand objects without joints.

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numeric>
 
 namespace leeway::motions
 {
@@ -94,12 +95,33 @@ double shorterWay( const lw_robot* robot, std::uint32_t variable, double a, doub
 	return lw_robot_variable( robot, variable ).wraps ? std::remainder( b - a, 2 * M_PI ) : b - a;
 }
 
+namespace
+{
+
+/// Whether the four numbers from this variable of the group on are the rotation of a floating joint.
+bool beginsQuaternion( const io::Problem& problem, std::size_t i )
+{
+	const std::vector<std::uint32_t>& variables = problem.variables;
+	const lw_variable_info info = lw_robot_variable( problem.robot.get(), variables[i] );
+	return lw_robot_joint_type( problem.robot.get(), info.joint ) == LW_JOINT_FLOATING && info.component == 3 &&
+	       i + 3 < variables.size() && variables[i + 3] == variables[i] + 3;
+}
+
+} // namespace
+
 double jointDistance( const io::Problem& problem, const std::vector<double>& a, const std::vector<double>& b )
 {
-	double sum = 0;
+	double sum = 0, sign = 1;
+	std::size_t turned = 0; // before it b's numbers are those of a quaternion
 	for ( std::size_t i = 0; i < a.size(); ++i )
 	{
-		const double difference = shorterWay( problem.robot.get(), problem.variables[i], a[i], b[i] );
+		if ( beginsQuaternion( problem, i ) ) // and its negative is the same rotation
+		{
+			turned = i + 4;
+			sign = std::inner_product( &a[i], &a[i] + 4, &b[i], 0.0 ) < 0 ? -1 : 1;
+		}
+		const double to = i < turned ? sign * b[i] : b[i];
+		const double difference = shorterWay( problem.robot.get(), problem.variables[i], a[i], to );
 		sum += difference * difference;
 	}
 	return std::sqrt( sum );

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tree of links with the spheres of its nodes, and counts of pair classes.
 #include "leeway/pairs/hierarchy.hpp"
+#include "leeway/io/joint_type.hpp"
 #include "pairs/report.hpp"
 
 #include <fmt/format.h>
@@ -45,26 +46,6 @@ std::vector<TreeLine> treeOf( const lw_robot* robot )
 		}
 	}
 	return lines;
-}
-
-const char* jointTypeName( lw_joint_type type )
-{
-	switch ( type )
-	{
-	case LW_JOINT_FIXED:
-		return "fixed";
-	case LW_JOINT_REVOLUTE:
-		return "revolute";
-	case LW_JOINT_CONTINUOUS:
-		return "continuous";
-	case LW_JOINT_PRISMATIC:
-		return "prismatic";
-	case LW_JOINT_PLANAR:
-		return "planar";
-	case LW_JOINT_FLOATING:
-		return "floating";
-	}
-	return "";
 }
 
 std::string radiusText( const lw_sphere& sphere )
@@ -139,7 +120,7 @@ std::string hierarchyText( const io::LoadedReach& hulls )
 		    node.hull_point_count > 0 ? fmt::format( "{:.4f}", node.excess ) : "-",
 		    joint == LW_INVALID_INDEX ? std::string( "(root)" )
 		                              : fmt::format( "{} ({}{})", lw_robot_joint_name( robot, joint ),
-		                                    jointTypeName( lw_robot_joint_type( robot, joint ) ),
+		                                    io::jointTypeName( lw_robot_joint_type( robot, joint ) ),
 		                                    lw_robot_joint_mimic( robot, joint ) == LW_INVALID_INDEX ? "" : ", mimic" ) );
 	}
 	return text;
@@ -159,7 +140,7 @@ Json hierarchyJson( const io::LoadedReach& hulls )
 		    { "excess", motions::jsonNumber( node.excess ) } };
 		entry["joint"] = joint == LW_INVALID_INDEX ? Json( nullptr ) : Json( lw_robot_joint_name( robot, joint ) );
 		entry["joint_type"] =
-		    joint == LW_INVALID_INDEX ? Json( nullptr ) : Json( jointTypeName( lw_robot_joint_type( robot, joint ) ) );
+		    joint == LW_INVALID_INDEX ? Json( nullptr ) : Json( io::jointTypeName( lw_robot_joint_type( robot, joint ) ) );
 		json["links"].push_back( entry );
 	}
 	return json;

@@ -27,6 +27,7 @@ import zlib
 
 from cases import FILES, Case, cases
 from commands import command_cases
+from formats import format_cases
 from hostile import HARMLESS, REFUSED, SAME, TOLD, hostile_cases
 
 OUTPUTS = ("--out", "--report", "--json", "--profile", "--view", "--csv", "--png")
@@ -134,6 +135,8 @@ def check_case(case, done, folder, before, clean):
     faults = []
     if "this build of leeway has no page" in said and after == before:
         return []  # without npm's tools every `view` is refused
+    if "-DLEEWAY_SDF=ON" in said and done.returncode == 2:
+        return error_faults(said, before, after)  # without libsdformat every SDF is refused
     if done.returncode not in (case.status if not case.expect else (0, 1, 2)):
         faults.append(f"exit status {done.returncode}, expected {' or '.join(map(str, case.status))}")
     if done.returncode == 2:
@@ -203,7 +206,7 @@ def main():
     parser.add_argument("--share", type=int, default=1, help="of the hostile files one in N of each class, at least one (default: all)")
     options = parser.parse_args()
     options.program = options.program.resolve()
-    chosen = [case for case in [*command_cases(), *cases(), *shared(hostile_cases(), options.share)] if options.only in case.name]
+    chosen = [case for case in [*command_cases(), *cases(), *format_cases(), *shared(hostile_cases(), options.share)] if options.only in case.name]
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         clean = clean_answers(pool, chosen, options)
         answers = [row for row, _ in clean.values()]

@@ -166,6 +166,18 @@ TEST_F( CliEnds, PlanarAndFloatingJointsAreSetByTheirVariables )
 	}
 }
 
+TEST_F( CliEnds, ARotationAndItsNegativeAreTheSameGoal )
+{
+	write( "free.xml",
+	    "<mujoco><worldbody><geom type=\"plane\" size=\"1 1 1\"/><body name=\"b\" pos=\"0 0 1\"><freejoint name=\"f\"/>"
+	    "<geom type=\"box\" size=\"0.1 0.2 0.3\"/></body></worldbody></mujoco>" );
+	// the shorter way to the negative of a rotation ends at the rotation itself
+	const Outcome outcome = run( { "plan", "--robot", "free.xml", "--start", "f/trans_z=1", "--goal",
+	    "f/trans_x=0.5,f/trans_z=1,f/rot_x=-0.6,f/rot_w=-0.8", "--out", "path.yaml" } );
+	EXPECT_EQ( outcome.status, 0 ) << outcome.err;
+	EXPECT_TRUE( contains( outcome.out, "audit       VALID" ) ) << outcome.out;
+}
+
 TEST_F( CliEnds, RandomEndsAreFreeAndTheSameForASeed )
 {
 	const auto path_of = [&]( const char* seed )

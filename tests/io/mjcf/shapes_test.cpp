@@ -208,3 +208,36 @@ TEST_F( MjcfShapes, GeomsThatCollideWithNothingAreLeftOutAndNamed )
 	options.use_visual = true;
 	EXPECT_EQ( load( text, options ).links.at( 1 ).collision.size(), 1u );
 }
+
+TEST_F( MjcfShapes, LinksWithoutTheColourOfTheirGeoms )
+{
+	const auto body = [&]( const std::string& name, const std::string& geoms )
+	{ return "<body name=\"" + name + "\" childclass=\"c\">" + geoms + "<joint/></body>"; };
+	const std::string seen = " contype=\"0\" conaffinity=\"0\"";
+	const RobotModel model = load(
+	    "<default><geom size=\"0.1\"/><material rgba=\"0 0 1 0.5\"/><default class=\"c\"/><default class=\"red\">"
+	    "<geom rgba=\"1 0 0 1\"/></default></default><asset><material name=\"moss\" rgba=\"0 0.5 0 1\"/><material name=\"sky\"/>"
+	    "<material name=\"photo\" texture=\"t\" rgba=\"1 1 0 1\"/></asset><worldbody>" +
+	    body( "own", "<geom/><geom rgba=\"0.1 0.2 0.3 1\" material=\"moss\"/>" ) +
+	    body( "classed", "<geom class=\"red\"/>" ) + body( "named", "<geom material=\"moss\"/>" ) +
+	    body( "of_default", "<geom material=\"sky\"/>" ) + body( "textured", "<geom material=\"photo\"/>" ) +
+	    body( "gone", "<geom material=\"none\"/>" ) + body( "wrong", "<geom rgba=\"1 0 7 1\"/>" ) +
+	    body( "short", "<geom rgba=\"1 0 0\"/>" ) +
+	    body( "visual", "<geom rgba=\"1 1 1 1\"/><geom rgba=\"0 0 0 1\"" + seen + "/>" ) + body( "plain", "<geom/>" ) +
+	    "</worldbody>" );
+	std::map<std::string, std::optional<Colour>> found;
+	for ( const LinkModel& link : model.links )
+	{
+		found[link.name] = link.colour;
+	}
+	const auto is = []( double r, double g, double b, double a ) { return std::optional<Colour>( { r, g, b, a } ); };
+	EXPECT_EQ( found.at( "own" ), is( 0.1, 0.2, 0.3, 1 ) );
+	EXPECT_EQ( found.at( "classed" ), is( 1, 0, 0, 1 ) );
+	EXPECT_EQ( found.at( "named" ), is( 0, 0.5, 0, 1 ) );
+	EXPECT_EQ( found.at( "of_default" ), is( 0, 0, 1, 0.5 ) );
+	EXPECT_EQ( found.at( "visual" ), is( 0, 0, 0, 1 ) );
+	for ( const char* none : { "textured", "gone", "wrong", "short", "plain" } )
+	{
+		EXPECT_EQ( found.at( none ), std::nullopt ) << none;
+	}
+}

@@ -123,6 +123,11 @@ std::optional<XmlProblem> parseXml( tinyxml2::XMLDocument& document, std::string
 	content += "<" + last + "/>";
 	if ( document.Parse( content.data(), content.size() ) != tinyxml2::XML_SUCCESS )
 	{
+		if ( document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED )
+		{
+			return XmlProblem{ document.ErrorLineNum(),
+			    fmt::format( "elements are nested more than {} deep, which is not read", TINYXML2_MAX_ELEMENT_DEPTH ) };
+		}
 		return XmlProblem{ document.ErrorLineNum(), fmt::format( "not well-formed XML ({})", parserText( document ) ) };
 	}
 	tinyxml2::XMLNode* end = document.LastChild();

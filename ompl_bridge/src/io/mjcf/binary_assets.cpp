@@ -109,7 +109,8 @@ HeightField readInline( const Document& document, const XMLElement& asset, const
 		    "give nrow and ncol above 0, or a file" );
 	}
 	const std::uint64_t count = static_cast<std::uint64_t>( rows ) * static_cast<std::uint64_t>( columns );
-	checkLimit( &Limits::points, count, "heights", document.path(), what );
+	const ShapeLoader::Place place = document.place( asset, what, "" );
+	checkLimit( &Limits::points, count, "heights", place.file, place.element );
 	field.rows = static_cast<std::size_t>( rows );
 	field.columns = static_cast<std::size_t>( columns );
 	field.heights.assign( count, 0.0 );

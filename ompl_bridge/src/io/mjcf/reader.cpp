@@ -36,6 +36,7 @@ public:
 private:
 	bool collides( const Geom& geom ) const { return geom.collides() || m_paired.count( geom.name ) != 0; }
 	void readBody( const Body& body );
+	std::optional<Colour> colourOf( const Body& body ) const;
 	void addPlane( const Body& body, const Geom& geom, const std::string& what );
 	void addShapes( const Body& body, bool visual, LinkModel& link );
 	void notices( const Tree& tree );
@@ -65,6 +66,7 @@ void ShapeReader::addPlane( const Body& body, const Geom& geom, const std::strin
 		link.name += '_';
 	}
 	link.collision.push_back( m_shapes.plane( geom, what, link.name ) );
+	link.colour = geom.colour;
 	JointModel joint;
 	joint.name = link.name + "/fixed";
 	joint.parent = body.name;
@@ -122,6 +124,21 @@ void ShapeReader::addShapes( const Body& body, bool visual, LinkModel& link )
 	}
 }
 
+/// As in a URDF: of the first geom with a colour that is there to be seen alone; else of the first that collides.
+std::optional<Colour> ShapeReader::colourOf( const Body& body ) const
+{
+	for ( const bool seen : { true, false } )
+	{
+		const auto found = std::find_if( body.geoms.begin(), body.geoms.end(),
+		    [&]( const Geom& geom ) { return geom.type != GeomType::PLANE && geom.colour && collides( geom ) != seen; } );
+		if ( found != body.geoms.end() )
+		{
+			return found->colour;
+		}
+	}
+	return std::nullopt;
+}
+
 void ShapeReader::readBody( const Body& body )
 {
 	LinkModel link; // planes add links
@@ -138,8 +155,10 @@ void ShapeReader::readBody( const Body& body )
 	{
 		m_hidden.push_back( body.name );
 	}
-	std::find_if( m_model.links.begin(), m_model.links.end(), [&]( const LinkModel& l ) { return l.name == body.name; } )
-	    ->collision = std::move( link.collision );
+	const auto found = std::find_if(
+	    m_model.links.begin(), m_model.links.end(), [&]( const LinkModel& l ) { return l.name == body.name; } );
+	found->collision = std::move( link.collision );
+	found->colour = colourOf( body );
 }
 
 void ShapeReader::notices( const Tree& tree )

@@ -13,7 +13,7 @@ namespace
 {
 
 /// Elements of a class whose attributes are looked up.
-constexpr const char* classed_elements[] = { "joint", "geom", "mesh", "equality" };
+constexpr const char* classed_elements[] = { "joint", "geom", "mesh", "equality", "material" };
 
 bool isTrue( const Document& document, const XMLElement& at, const std::string& what, const char* attribute )
 {

@@ -32,7 +32,7 @@ class TreeReader
 public:
 	TreeReader( const Document& document, const Compiler& compiler, const Defaults& defaults, std::vector<Notice>& notices )
 	    : m_document( document ), m_compiler( compiler ), m_defaults( defaults ), m_poses( document, compiler, defaults ),
-	      m_notices( notices )
+	      m_colours( document, defaults ), m_notices( notices )
 	{
 	}
 	Tree read();
@@ -55,6 +55,7 @@ private:
 	const Compiler& m_compiler;
 	const Defaults& m_defaults;
 	Poses m_poses;
+	Colours m_colours;
 	std::vector<Notice>& m_notices;
 	Tree m_tree;
 	std::map<std::string, std::size_t> m_names; ///< of bodies
@@ -420,6 +421,7 @@ void TreeReader::readGeom( const XMLElement& e, const Place& place )
 	};
 	geom.contype = mask( "contype" );
 	geom.conaffinity = mask( "conaffinity" );
+	geom.colour = m_colours.of( e, place.child_class );
 	const XMLElement* mesh = carrier( "mesh" );
 	const XMLElement* field = carrier( "hfield" );
 	geom.asset = geom.type == GeomType::MESH && mesh != nullptr      ? m_document.text( *mesh, what, "mesh" )

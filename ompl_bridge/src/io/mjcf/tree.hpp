@@ -50,12 +50,27 @@ struct Geom
 	lw_transform pose; ///< in the body's frame
 	std::uint32_t contype = 1, conaffinity = 1;
 	double margin = 0;
+	std::optional<Colour> colour; ///< for pictures
 
 	bool collides() const { return contype != 0 || conaffinity != 0; }
 	bool meets( const Geom& other ) const
 	{
 		return ( contype & other.conaffinity ) != 0 || ( other.contype & conaffinity ) != 0;
 	}
+};
+
+/// Colours of geoms, for pictures.
+class Colours
+{
+public:
+	Colours( const Document& document, const Defaults& defaults );
+	/// rgba of its own or of its class, else that of its material. None for a texture, and for values that are no colour.
+	/// @throws Error (no such class)
+	std::optional<Colour> of( const XMLElement& geom, const std::string& child_class ) const;
+
+private:
+	const Defaults& m_defaults;
+	std::map<std::string, const XMLElement*> m_materials;
 };
 
 struct Body

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/urdf_writer.hpp"
 
+#include "leeway/io/joint_type.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -13,26 +15,6 @@ namespace
 {
 
 using tinyxml2::XMLElement;
-
-const char* typeName( lw_joint_type type )
-{
-	switch ( type )
-	{
-	case LW_JOINT_REVOLUTE:
-		return "revolute";
-	case LW_JOINT_CONTINUOUS:
-		return "continuous";
-	case LW_JOINT_PRISMATIC:
-		return "prismatic";
-	case LW_JOINT_PLANAR:
-		return "planar";
-	case LW_JOINT_FLOATING:
-		return "floating";
-	case LW_JOINT_FIXED:
-		break;
-	}
-	return "fixed";
-}
 
 std::string three( double x, double y, double z )
 {
@@ -65,7 +47,7 @@ void addJoint( XMLElement& root, const JointModel& joint )
 {
 	XMLElement* const out = add( root, "joint" );
 	out->SetAttribute( "name", joint.name.c_str() );
-	out->SetAttribute( "type", typeName( joint.type ) );
+	out->SetAttribute( "type", jointTypeName( joint.type ) );
 	XMLElement* const origin = add( *out, "origin" );
 	const lw_transform& pose = joint.parent_from_joint;
 	origin->SetAttribute( "xyz", three( pose.t[0], pose.t[1], pose.t[2] ).c_str() );

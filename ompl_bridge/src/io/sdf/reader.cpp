@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <limits>
+#include <stdexcept>
 
 namespace leeway::io::detail
 {
@@ -111,6 +112,20 @@ private:
 	std::vector<std::string> m_loops; ///< joints whose child has one already
 };
 
+/// libsdformat throws out of std::stoi for a version that is no number.
+::sdf::Errors loaded( ::sdf::Root& root, const std::string& file, const ::sdf::ParserConfig& config )
+{
+	try
+	{
+		return root.Load( file, config );
+	}
+	catch ( const std::logic_error& error )
+	{
+		throw Error( file, "<sdf>", fmt::format( "libsdformat takes a text for a number and fails ({})", error.what() ),
+		    "write version=\"1.9\", or the number that the file was written for" );
+	}
+}
+
 void Reader::load( ::sdf::Root& root )
 {
 	::sdf::Console::Instance()->SetQuiet( true );
@@ -118,7 +133,7 @@ void Reader::load( ::sdf::Root& root )
 	config.SetFindCallback( [&]( const std::string& uri ) { return findModel( uri, m_file, m_options ); } );
 	config.SetWarningsPolicy( ::sdf::EnforcementPolicy::LOG );
 	config.SetUnrecognizedElementsPolicy( ::sdf::EnforcementPolicy::LOG );
-	::sdf::Errors errors = root.Load( m_file, config );
+	::sdf::Errors errors = loaded( root, m_file, config );
 	errors.erase(
 	    std::remove_if( errors.begin(), errors.end(), // no pose or shape depends on these; a notice tells them below
 	        []( const ::sdf::Error& error ) { return error.Code() == ::sdf::ErrorCode::LINK_INERTIA_INVALID; } ),
@@ -132,7 +147,7 @@ void Reader::load( ::sdf::Root& root )
 	config.SetWarningsPolicy( ::sdf::EnforcementPolicy::ERR );
 	config.SetUnrecognizedElementsPolicy( ::sdf::EnforcementPolicy::ERR );
 	::sdf::Root strict;
-	if ( const ::sdf::Errors warnings = strict.Load( m_file, config ); !warnings.empty() )
+	if ( const ::sdf::Errors warnings = loaded( strict, m_file, config ); !warnings.empty() )
 	{
 		m_robot.report.notices.push_back(
 		    { m_file, "<sdf>", fmt::format( "{} warnings of libsdformat: {}", warnings.size(), wordsOf( warnings ) ) } );
