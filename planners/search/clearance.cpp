@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Points of a path pushed away from what is near. Papers: Quinlan and Khatib, Elastic bands (ICRA 1993); Zucker et al., CHOMP (IJRR 2013),
+// Points of a path pushed away from near obstacles and links. Papers: Quinlan and Khatib, Elastic bands (ICRA 1993); Zucker et al., CHOMP (IJRR 2013),
 // for steps that resolve several obstacles at once.
 #include "leeway/planners/clearance.hpp"
 
@@ -421,7 +421,7 @@ private:
 		}
 	}
 
-	/// Adds to the step what the near pairs need: step += G^T ( G G^T + eps )^-1 ( want - clearance - G step ), over the pairs that it leaves
+	/// Adds the motion that the near pairs need to the step: step += G^T ( G G^T + eps )^-1 ( want - clearance - G step ), over the pairs that it leaves
 	/// nearer than wanted.
 	/// @return false if the state touches
 	bool resolve( const std::vector<double>& q, const std::array<double, kinds>& want )
@@ -566,7 +566,7 @@ private:
 		m_report.length_after = length;
 	}
 
-	/// The least clearance of the best band. Its middle is enclosed, and so is what is beside the ends if there is time.
+	/// The least clearance of the best band. Its middle is enclosed already; the parts beside the ends are if there is time.
 	ClearanceRange wholeOf( unsigned kind )
 	{
 		const ClearanceChange& c = change( kind );

@@ -46,7 +46,7 @@ public:
 	void insert( std::size_t edge, const std::vector<double>& q )
 	{
 		Edge both;
-		both.proved = edges[edge].proved; // its parts have what was proved of all of it
+		both.proved = edges[edge].proved; // proofs of the whole edge hold for its parts
 		edges[edge] = both;
 		points.insert( points.begin() + static_cast<std::ptrdiff_t>( edge + 1 ), { q, unknown(), false, q } );
 		edges.insert( edges.begin() + static_cast<std::ptrdiff_t>( edge + 1 ), both );
@@ -182,7 +182,7 @@ public:
 	{
 		lw_edge_def def = m_own;
 		def.flags = flag_of[kind];
-		def.min_d = margin;
+		def.min_d = margin < lowest() ? margin : margin * more;
 		const double share = std::clamp( high / margin - 1, tolerance / 8, tolerance ) / 4;
 		def.slack = margin < lowest() ? m_own.slack : std::max( share * margin, least_slack );
 		def.alpha = share;
@@ -200,7 +200,7 @@ public:
 		m_work.undecided += result.verdict == LW_VERDICT_UNDECIDED;
 		m_failed_at = result.t;
 		m_failed = result.pair.kind == LW_CLEARANCE_UNKNOWN ? margin : std::max( result.pair.upper, 0.0 );
-		*proved = result.lower_bound;
+		*proved = result.lower_bound / more;
 		return result.verdict == LW_VERDICT_FREE;
 	}
 
@@ -219,6 +219,7 @@ public:
 private:
 	static constexpr unsigned trusted = 2, most_failures = 12;
 	static constexpr double least_slack = 5e-5; ///< metres: a finer one takes tens of states
+	static constexpr double more = 1 + 1e-9;    ///< proved / reported: unwrap() rounds angles
 	static constexpr double likely = 2; ///< ends with more than twice of the bound: the edge is looked at by its proof alone
 
 	/// A few states inside of an edge: a failed proof takes as long as tens of them.

@@ -48,7 +48,7 @@ struct ClearanceReport
 	Statistics work;
 };
 
-/// Pushes the points of a path away from what is near, along the derivatives of near pairs (lw_checker_near()), and pulls them towards
+/// Pushes the points of a path along the derivatives of near pairs (lw_checker_near()), away from both, and pulls them towards
 /// their neighbours. A changed path is taken only if its least clearance of each kind of pairs is proved to be no less than before, that of
 /// its middle is proved to be more for one kind, and it is no longer than `longer` allows. The ends stay, bit for bit. Then states that the
 /// reached clearance does not need are dropped.
