@@ -5,6 +5,8 @@
 #include "leeway/planners/clearance.hpp"
 #include "leeway/planners/smooth.hpp"
 
+#include "margin_prover.hpp"
+
 namespace
 {
 
@@ -132,13 +134,19 @@ TEST( NativeClearance, ReportedClearanceIsThereAndNothingComesNearer )
 
 TEST( NativeClearance, SameCallSamePath )
 {
-	Corner first, again;
-	ASSERT_EQ( first.raise( untimed() ), LW_OK );
-	ASSERT_EQ( lw_query_fits( again.query.get(), again.checker.get() ), true );
-	planners::Path other{ 2, { -0.8, 0.1, 0.8, 0.1 } }; // what a warm query remembers does not count
-	ASSERT_EQ( planners::raiseClearance( again.checker.get(), again.query.get(), untimed(), {}, other ), LW_OK );
-	ASSERT_EQ( again.raise( untimed() ), LW_OK );
-	EXPECT_EQ( first.path.values, again.path.values );
+	for ( const char* name : { "Arm", "Carrier" } )
+	{
+		planners::Settings search;
+		search.seed = 4;
+		Problem problem( worldOf( name ), search );
+		ASSERT_EQ( problem.solve(), Outcome::SOLVED );
+		planners::Path paths[2] = { problem.planner.path(), problem.planner.path() };
+		for ( planners::Path& path : paths ) // the second time the query is warm
+		{
+			ASSERT_EQ( planners::raiseClearance( problem.checker.get(), problem.query.get(), untimed(), {}, path ), LW_OK );
+		}
+		EXPECT_EQ( paths[0].values, paths[1].values ) << name;
+	}
 }
 
 TEST( NativeClearance, PathThatIsNotFreeStaysAsItIs )
@@ -161,6 +169,7 @@ TEST( NativeClearance, TimeEndsItWithAFreePath )
 		planners::Stop stop;
 		stop.seconds = seconds;
 		ASSERT_EQ( corner.raise( untimed(), stop ), LW_OK );
+		EXPECT_TRUE( seconds > 0 || !corner.report.changed );
 		EXPECT_GE( sampled( corner.checker, corner.path ).environment, 0.002 - 1e-9 );
 		EXPECT_GE( corner.report.environment.after.lower, corner.report.environment.before.lower );
 	}
@@ -222,6 +231,39 @@ TEST( NativeClearance, LengthKeepsItsLimit )
 		ASSERT_EQ( corner.raise( settings ), LW_OK );
 		EXPECT_LE( planners::length( corner.checker.get(), corner.path ), ( 1 + longer ) * 1.6 + 1e-12 ) << longer;
 	}
+}
+
+TEST( NativeClearance, ProofsEndWhereAPointMoves )
+{
+	planners::Band band;
+	for ( const double x : { 0.0, 1.0, 2.0, 3.0 } )
+	{
+		band.add( &x, 1 );
+	}
+	for ( planners::Band::Edge& edge : band.edges )
+	{
+		edge.proved = { 0.01, 0.02 };
+		edge.upper = { 0.1, 0.1 };
+	}
+	band.first = 1;
+	band.last = 2;
+	band.insert( 1, { 1.5 } );
+	EXPECT_EQ( band.last, 3u );
+	EXPECT_EQ( band.edges[1].proved[1], 0.02 ) << "parts of a proved edge are proved";
+	EXPECT_EQ( band.edges[2].proved[1], 0.02 );
+	EXPECT_TRUE( std::isnan( band.edges[1].upper[0] ) ) << "the place of the low state is another now";
+	band.move( 3, { 2.1 } );
+	EXPECT_EQ( band.edges[1].proved[0], 0.01 );
+	EXPECT_EQ( band.edges[2].proved[0], 0 );
+	EXPECT_EQ( band.edges[3].proved[0], 0 );
+	EXPECT_TRUE( std::isnan( band.points[3].upper[0] ) );
+	planners::Band::Edge joined;
+	joined.proved = { 0.005, 0.006 };
+	band.drop( 2, joined );
+	ASSERT_EQ( band.points.size(), 4u );
+	EXPECT_EQ( band.last, 2u );
+	EXPECT_EQ( band.edges[1].proved[0], 0.005 );
+	EXPECT_EQ( band.points[2].q[0], 2.1 );
 }
 
 TEST( NativeClearance, BadInputIsRefused )

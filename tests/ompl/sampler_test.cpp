@@ -83,14 +83,19 @@ TEST( PushingSampler, ValidIsTheCheckersWord )
 TEST( PushingSampler, StateWithoutRoomToMoveIsNotValid )
 {
 	leeway::ompl::Options options;
-	options.min_d = 0.02; // the slot leaves 5 mm
-	const Rig rig( slotWorld(), options );
+	options.min_d = 0.06; // the channel leaves 0.05
+	const Rig rig( makeChecker( { slider( "rail x", 0, -1, 1 ), slider( "rail y", 1, -0.001, 0.001, makeBall( 0.05 ) ) },
+	                   { { makeBox( 3, 0.1, 0.2 ), at( 0, -0.15, 0 ) }, { makeBox( 3, 0.1, 0.2 ), at( 0, 0.15, 0 ) } } ),
+	    options );
 	PushingSampler sampler( rig.si.get(), rig.engine );
 	ob::ScopedState<> state( rig.space );
-	const std::vector<double> q = { 0, 0.001 };
-	rig.engine->adapter().fromVector( q.data(), state.get() );
-	EXPECT_FALSE( sampler.push( state.get() ) );
-	EXPECT_FALSE( rig.si->isValid( state.get() ) );
+	for ( const double x : { -0.5, 0.0, 0.5 } )
+	{
+		const std::vector<double> q = { x, 0.0005 };
+		rig.engine->adapter().fromVector( q.data(), state.get() );
+		EXPECT_FALSE( sampler.push( state.get() ) );
+	}
+	EXPECT_FALSE( sampler.sample( state.get() ) );
 }
 
 TEST( PushingSampler, NearStatesMoveToTheWantedClearance )
