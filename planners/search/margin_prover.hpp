@@ -97,7 +97,7 @@ struct LowPlace
 class MarginProver
 {
 public:
-	static constexpr double tolerance = 0.05;
+	static constexpr double tolerance = 0.07;
 
 	/// @param most metres: larger clearances are not measured
 	MarginProver( const lw_checker* checker, lw_query* query, const lw_edge_def& edge, const Space& space, double most,

@@ -78,7 +78,7 @@ TEST( NativeClearance, GoalIsReachedAroundACorner )
 	ASSERT_EQ( corner.raise( untimed() ), LW_OK );
 	EXPECT_TRUE( corner.report.changed );
 	EXPECT_NEAR( corner.report.environment.before.upper, 0.002, 1e-6 );
-	EXPECT_GT( corner.report.environment.before.lower, 0.0017 );
+	EXPECT_GT( corner.report.environment.before.lower, 0.0016 );
 	EXPECT_LT( corner.report.environment.before.lower, 0.002 );
 	EXPECT_GE( corner.report.environment.after.lower, 0.03 - 1e-12 );
 	EXPECT_GE( sampled( corner.checker, corner.path ).environment, 0.03 - 1e-9 );
