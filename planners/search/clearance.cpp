@@ -40,10 +40,9 @@ public:
 	    ClearanceReport& report )
 	    : m_checker( checker ), m_query( query ), m_settings( settings ), m_space( Space::ofLimits( checker ) ),
 	      m_prover( checker, query, settings.edge, m_space, settings.edge.min_d + settings.goal, report.work ),
-	      m_push_end( shortened( stop, push_share ) ), m_drop_end( shortened( stop, drop_share ) ),
-	      m_last_end( shortened( stop, 1 ) ), m_path( path ), m_report( report ),
-	      m_goal( settings.edge.min_d + settings.goal ), m_rows( most_rows * m_space.size() ), m_step( m_space.size() ),
-	      m_trial( m_space.size() )
+	      m_push_end( shortened( stop, push_share ) ), m_drop_end( shortened( stop, drop_share ) ), m_path( path ),
+	      m_report( report ), m_goal( settings.edge.min_d + settings.goal ), m_rows( most_rows * m_space.size() ),
+	      m_step( m_space.size() ), m_trial( m_space.size() )
 	{
 		const lw_clearance fixed = lw_checker_get_info( checker ).static_environment;
 		m_cap = { m_goal, m_goal };
@@ -255,7 +254,9 @@ private:
 				m_low[k] = {};
 				middle[k] = m_prover.enclose(
 				    m_band, k, m_band.first, m_band.last, m_cap[k], m_cap[k], change( k ).middle_before.lower, &m_low[k] );
-				if ( middle[k].lower < change( k ).middle_before.lower || !keepsApproach( k ) )
+				const double floor = change( k ).middle_before.lower;
+				middle[k] = floor <= m_settings.edge.min_d ? atLeastFree( middle[k] ) : middle[k];
+				if ( middle[k].lower < floor || !keepsRest( k, middle[k] ) )
 				{
 					return;
 				}
@@ -274,25 +275,46 @@ private:
 		}
 	}
 
-	/// Beside the ends the path keeps the least clearance that it had.
-	bool keepsApproach( unsigned kind )
+	/// Beside the ends the band keeps the least clearance that the path had, and more if that is proved at once. Where no margin is proved, its
+	/// edges are free as the caller asks.
+	bool keepsRest( unsigned kind, const ClearanceRange& middle )
 	{
-		const double floor = change( kind ).before.lower;
 		for ( std::size_t i = 0; i < m_band.edges.size(); ++i )
 		{
-			Band::Edge& edge = m_band.edges[i];
-			if ( ( i < m_band.first || i >= m_band.last ) && floor >= m_prover.lowest() && edge.proved[kind] < floor )
+			const bool outside = i < m_band.first || i >= m_band.last;
+			const double least = std::max( outside ? change( kind ).before.lower : middle.lower, m_settings.edge.min_d );
+			double wanted = least;
+			if ( outside )
 			{
-				double proved = 0;
-				if ( !m_prover.isFree(
-				         m_band.points[i].q.data(), m_band.points[i + 1].q.data(), kind, floor, HUGE_VAL, &proved ) )
-				{
-					m_low[kind] = { i, 0.5 };
-					return false;
-				}
-				edge.proved[kind] = std::max( proved, floor );
+				m_prover.measure( m_band.points[i] );
+				m_prover.measure( m_band.points[i + 1] );
+				const double upper =
+				    std::min( { middle.upper, m_band.points[i].upper[kind], m_band.points[i + 1].upper[kind] } );
+				const double margin = MarginProver::marginBelow( upper, m_cap[kind], least );
+				wanted = margin >= m_prover.lowest() ? std::max( margin, least ) : least;
+			}
+			if ( !isEdgeKept( i, kind, wanted ) && !( wanted > least && isEdgeKept( i, kind, least ) ) )
+			{
+				m_low[kind] = { i, m_prover.failedAt() };
+				return false;
 			}
 		}
+		return true;
+	}
+
+	bool isEdgeKept( std::size_t i, unsigned kind, double margin )
+	{
+		Band::Edge& edge = m_band.edges[i];
+		if ( edge.proved[kind] > 0 && edge.proved[kind] >= margin )
+		{
+			return true;
+		}
+		double proved = 0;
+		if ( !m_prover.isFree( m_band.points[i].q.data(), m_band.points[i + 1].q.data(), kind, margin, HUGE_VAL, &proved ) )
+		{
+			return false;
+		}
+		edge.proved[kind] = std::max( proved, margin );
 		return true;
 	}
 
@@ -529,7 +551,9 @@ private:
 			            m_space.partCount( band.points[i - 1].q.data(), band.points[i + 1].q.data() ) == 1;
 			for ( unsigned k = 0; k < kinds && free; ++k )
 			{
-				const double margin = middle ? change( k ).middle_after.lower : change( k ).before.lower;
+				const double margin = middle
+				                          ? change( k ).middle_after.lower
+				                          : std::min( { m_cap[k], band.edges[i - 1].proved[k], band.edges[i].proved[k] } );
 				free = !isAsked( k ) || m_prover.isFree( band.points[i - 1].q.data(), band.points[i + 1].q.data(), k,
 				                            std::max( margin, m_settings.edge.min_d ), HUGE_VAL, &joined.proved[k] );
 			}
@@ -566,32 +590,24 @@ private:
 		m_report.length_after = length;
 	}
 
-	/// The least clearance of the best band. Its middle is enclosed already; the parts beside the ends are if there is time.
+	/// The least clearance of the best band: that of its middle and of the parts beside it.
 	ClearanceRange wholeOf( unsigned kind )
 	{
 		const ClearanceChange& c = change( kind );
-		const std::size_t end = m_best.points.size() - 1;
 		ClearanceRange whole = c.middle_after;
-		for ( const auto& [first, last] : { std::pair{ std::size_t( 0 ), m_best.first }, { m_best.last, end } } )
+		for ( std::size_t i = 0; i < m_best.edges.size(); ++i )
 		{
-			double high = whole.upper;
-			double proved = HUGE_VAL;
-			for ( std::size_t i = first; i < last; ++i )
+			if ( i < m_best.first || i >= m_best.last )
 			{
-				m_prover.measure( m_best.points[i] );
-				m_prover.measure( m_best.points[i + 1] );
-				high = std::min( { high, m_best.points[i].upper[kind], m_best.points[i + 1].upper[kind] } );
-				proved = std::min( proved, m_best.edges[i].proved[kind] );
+				for ( const std::size_t point : { i, i + 1 } )
+				{
+					m_prover.measure( m_best.points[point] );
+					whole.upper = std::min( whole.upper, m_best.points[point].upper[kind] );
+				}
+				whole.lower = std::min( whole.lower, m_best.edges[i].proved[kind] );
 			}
-			if ( proved < high / ( 1 + m_prover.tolerance ) && !isOver( m_last_end ) )
-			{
-				const ClearanceRange part =
-				    m_prover.enclose( m_best, kind, first, last, m_cap[kind], high, c.before.lower, nullptr );
-				high = part.upper;
-				proved = std::max( proved, part.lower );
-			}
-			whole = { std::min( whole.lower, std::max( proved, c.before.lower ) ), high };
 		}
+		whole.lower = std::max( whole.lower, c.before.lower ); // keepsRest()
 		return atLeastFree( whole );
 	}
 
@@ -610,7 +626,7 @@ private:
 	const ClearanceSettings& m_settings;
 	Space m_space;
 	MarginProver m_prover;
-	Deadline m_push_end, m_drop_end, m_last_end;
+	Deadline m_push_end, m_drop_end;
 	Path& m_path;
 	ClearanceReport& m_report;
 	const double m_goal;

@@ -212,6 +212,15 @@ public:
 		}
 	}
 
+	/// A margin that a motion with this least clearance is proved at; the floor itself if it is in reach.
+	static double marginBelow( double high, double cap, double floor )
+	{
+		const double margin = high >= cap ? cap : std::min( high / ( 1 + tolerance ), high - 3 * least_slack );
+		return margin < floor && floor <= std::min( high * ( 1 - tolerance / 4 ), high - least_slack ) ? floor : margin;
+	}
+
+	double failedAt() const { return m_failed_at; } ///< of the last motion that was not proved, [0, 1]
+
 	/// Margins below it are not tried: their proofs would take many states.
 	double lowest() const { return m_own.min_d + m_own.slack; }
 	lw_status status() const { return m_status; }
@@ -244,13 +253,6 @@ private:
 				}
 			}
 		}
-	}
-
-	/// A margin that a motion with this least clearance is proved at; the floor itself if it is in reach.
-	static double marginBelow( double high, double cap, double floor )
-	{
-		const double margin = high >= cap ? cap : std::min( high / ( 1 + tolerance ), high - 3 * least_slack );
-		return margin < floor && floor <= std::min( high * ( 1 - tolerance / 4 ), high - least_slack ) ? floor : margin;
 	}
 
 	bool isProved( Band& band, std::size_t i, unsigned kind, double margin, double high )
