@@ -283,23 +283,37 @@ private:
 		{
 			const bool outside = i < m_band.first || i >= m_band.last;
 			const double least = std::max( outside ? change( kind ).before.lower : middle.lower, m_settings.edge.min_d );
-			double wanted = least;
-			if ( outside )
-			{
-				m_prover.measure( m_band.points[i] );
-				m_prover.measure( m_band.points[i + 1] );
-				const double upper =
-				    std::min( { middle.upper, m_band.points[i].upper[kind], m_band.points[i + 1].upper[kind] } );
-				const double margin = MarginProver::marginBelow( upper, m_cap[kind], least );
-				wanted = margin >= m_prover.lowest() ? std::max( margin, least ) : least;
-			}
-			if ( !isEdgeKept( i, kind, wanted ) && !( wanted > least && isEdgeKept( i, kind, least ) ) )
+			if ( !( outside && isEdgeKeptAtMost( i, kind, middle.upper, least ) ) && !isEdgeKept( i, kind, least ) )
 			{
 				m_low[kind] = { i, m_prover.failedAt() };
 				return false;
 			}
 		}
 		return true;
+	}
+
+	/// A few margins from the measured clearance down.
+	bool isEdgeKeptAtMost( std::size_t i, unsigned kind, double upper, double least )
+	{
+		for ( Band::Point* point : { &m_band.points[i], &m_band.points[i + 1] } )
+		{
+			m_prover.measure( *point );
+			upper = std::min( upper, point->upper[kind] );
+		}
+		for ( unsigned tries = 0; tries < 3; ++tries )
+		{
+			const double margin = MarginProver::marginBelow( upper, m_cap[kind], least );
+			if ( margin < std::max( least, m_prover.lowest() ) )
+			{
+				return false;
+			}
+			if ( isEdgeKept( i, kind, margin ) )
+			{
+				return true;
+			}
+			upper = std::min( m_prover.failedClearance(), 0.9 * upper );
+		}
+		return false;
 	}
 
 	bool isEdgeKept( std::size_t i, unsigned kind, double margin )

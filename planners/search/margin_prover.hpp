@@ -219,7 +219,8 @@ public:
 		return margin < floor && floor <= std::min( high * ( 1 - tolerance / 4 ), high - least_slack ) ? floor : margin;
 	}
 
-	double failedAt() const { return m_failed_at; } ///< of the last motion that was not proved, [0, 1]
+	double failedClearance() const { return m_failed; } ///< measured there
+	double failedAt() const { return m_failed_at; }     ///< of the last motion that was not proved, [0, 1]
 
 	/// Margins below it are not tried: their proofs would take many states.
 	double lowest() const { return m_own.min_d + m_own.slack; }
