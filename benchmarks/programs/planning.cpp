@@ -7,6 +7,7 @@
 // the processor time of planning, then that of a simplification: leeway's smoother, OMPL's shortcuts, or the module's own.
 // The auditor checks every path afterwards (tests/support/edge_auditor.hpp), outside of its time.
 #include "edge_auditor.hpp"
+#include "planning/clearance_tally.hpp"
 #include "planning/generated_problems.hpp"
 #include "planning/page.hpp"
 #include "planning/prefix_grid.hpp"
@@ -34,6 +35,7 @@ struct Settings
 	std::vector<std::string> planners, ranges, modules, rows;
 	int problems = 5, runs = 3;
 	double seconds = 5, budget = 1;
+	double clearance_goal = 0, clearance_ms = 10;
 	bool planners_only = false, native_only = false, why = false;
 	std::uint64_t seed = 20260101;
 };
@@ -129,6 +131,7 @@ public:
 		for ( std::size_t i = 0; i < worlds.size(); )
 		{
 			// "panda panda_arm/box_panda/1": all of one set together
+			m_clearances.emplace_back();
 			SetResult result = { setOf( worlds.world( i ).name ), std::vector<Tally>( m_ways.size() ) };
 			for ( ; i < worlds.size() && setOf( worlds.world( i ).name ) == result.name; ++i )
 			{
@@ -142,11 +145,16 @@ public:
 			{
 				add( std::move( result ) );
 			}
+			else
+			{
+				m_clearances.pop_back();
+			}
 		}
 		for ( const SetResult& total : m_totals )
 		{
 			print( total, m_ways );
 		}
+		printClearances();
 	}
 
 	std::size_t refuted() const
@@ -169,6 +177,10 @@ public:
 	{
 		result["left_out"] = m_left_out;
 		result["unsolved"] = m_why;
+		for ( std::size_t i = 0; m_settings.clearance_goal > 0 && i < m_sets.size(); ++i )
+		{
+			result["clearance"].push_back( m_clearances[i].json( m_sets[i].name ) );
+		}
 		for ( const WayKind& way : m_ways )
 		{
 			if ( way.module )
@@ -197,6 +209,7 @@ private:
 	void planProblem( const EdgeWorldEntry& entry, std::size_t number, SetResult& result )
 	{
 		const EdgeWorld& world = entry.world;
+		m_first = &result.tallies[0];
 		EdgeJudges judges( world, m_models );
 		std::vector<std::unique_ptr<Way>> ways;
 		for ( const WayKind& kind : m_ways )
@@ -290,9 +303,33 @@ private:
 			out.length = lengthOf( world, planned.path );
 			out.in_contact = inContact( auditor, world, planned.path );
 			tally.addPath( planned.path );
+			if ( &tally == m_first && m_settings.clearance_goal > 0 )
+			{
+				m_clearances.back().add( world, planned.path, m_settings.clearance_goal, m_settings.clearance_ms * 1e-3 );
+			}
 			keep( world, name, run, planned, out );
 		}
 		return out;
+	}
+
+	/// Each set, then all of each robot.
+	void printClearances() const
+	{
+		if ( !( m_settings.clearance_goal > 0 ) )
+		{
+			return;
+		}
+		ClearanceTally::printHeader( m_settings.clearance_goal );
+		std::map<std::string, ClearanceTally> robots;
+		for ( std::size_t i = 0; i < m_sets.size(); ++i )
+		{
+			m_clearances[i].print( m_sets[i].name );
+			robots[robotOf( m_sets[i].name )].add( m_clearances[i] );
+		}
+		for ( const auto& [robot, tally] : robots )
+		{
+			tally.print( "all of " + robot );
+		}
 	}
 
 	void add( SetResult result )
@@ -316,6 +353,8 @@ private:
 	bool m_needs_fcl = false;
 	const std::shared_ptr<FclModels> m_models = std::make_shared<FclModels>();
 	std::vector<SetResult> m_sets, m_totals;
+	std::vector<ClearanceTally> m_clearances; ///< as m_sets
+	const Tally* m_first = nullptr;           ///< of the first row, whose paths they are
 	std::size_t m_left_out = 0;
 	Json m_why = Json::object(); ///< reasons by problem
 	std::ofstream m_paths;       ///< open with --paths
@@ -406,6 +445,9 @@ void addPlanning( Bench& bench )
 	    "longest motion that these planners add: a number, 'robot' (suits the robot) or 'default'; again for more" );
 	command.option( "--row", s->rows, "only rows with this in their name, and the first one; again for more" );
 	command.option( "--paths", s->paths, "file for every path, a line of JSON each: python -m leeway.fleet referee" );
+	command.option( "--clearance-goal", s->clearance_goal,
+	    "metres, above 0: raises the clearance of the first row's paths afterwards, and prints it before and after" );
+	command.option( "--clearance-ms", s->clearance_ms, "milliseconds for each of these paths", POSITIVE );
 	command.option( "--module", s->modules, "planner of another library; those beside the program are found" );
 	command.option( "--budget", s->budget, "seconds for pair proofs" );
 	command.flag(

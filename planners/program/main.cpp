@@ -170,6 +170,12 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	    ->type_name( "S" );
 	rare( command->add_option( "--optimize", options.optimize, "seconds for shorter paths after the first (default 0)" )
 	          ->type_name( "S" ) );
+	rare(
+	    command
+	        ->add_option( "--clearance-goal", options.clearance_goal,
+	            "push the path away from obstacles and links, up to this clearance above --min-d, for 10 ms; at most a tenth longer (default 0: "
+	            "no)" )
+	        ->type_name( "M" ) );
 	rare( command->add_option( "--seed", options.seed, "seed of the random numbers, 1 or more (default 1)" )
 	          ->type_name( "N" ) );
 	rare(
@@ -386,6 +392,10 @@ void validate( const CLI::App& chosen, const PlanOptions& options )
 	if ( chosen.get_option( "--optimize" )->count() > 0 )
 	{
 		requirePositive( "--optimize", options.optimize );
+	}
+	if ( chosen.get_option( "--clearance-goal" )->count() > 0 )
+	{
+		requirePositive( "--clearance-goal", options.clearance_goal );
 	}
 	if ( chosen.get_option( "--threads" )->count() > 0 )
 	{

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway plan: a request solved, simplified, certified again, and audited.
+#include "program/plan_bounds.hpp"
 #include "program/plan_solution.hpp"
 #include "motions/names.hpp"
 #include "program/ends.hpp"
@@ -12,7 +13,6 @@
 #include "leeway/planners/unwrap.hpp"
 
 #include <ompl/base/goals/GoalStates.h>
-#include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/geometric/PathGeometric.h>
 #include <ompl/geometric/PathSimplifier.h>
 #include <ompl/util/Console.h>
@@ -255,69 +255,6 @@ void simplify( og::PathGeometric& path, const ob::SpaceInformationPtr& si, const
 	}
 }
 
-// Limits of a joint that are so far away mean that there are none, and states drawn between them have nothing to do with the ends.
-constexpr double far_limits = 1000, room_beyond_ends = 10;
-
-// Bounds that are far from both ends come nearer. A joint that is told to go from a to b need not go further than ten radians or metres beyond.
-void narrow( ob::StateSpace& space, const ob::State& start, const ob::State& goal, Notices& notices )
-{
-	if ( space.isCompound() )
-	{
-		auto& compound = *space.as<ob::CompoundStateSpace>();
-		for ( unsigned int i = 0; i < compound.getSubspaceCount(); ++i )
-		{
-			narrow( *compound.getSubspace( i ), *start.as<ob::CompoundState>()->components[i],
-			    *goal.as<ob::CompoundState>()->components[i], notices );
-		}
-	}
-	else if ( space.getType() == ob::STATE_SPACE_REAL_VECTOR )
-	{
-		auto& vector = *space.as<ob::RealVectorStateSpace>();
-		ob::RealVectorBounds bounds = vector.getBounds();
-		for ( unsigned int i = 0; i < vector.getDimension(); ++i )
-		{
-			const double a = start.as<ob::RealVectorStateSpace::StateType>()->values[i];
-			const double b = goal.as<ob::RealVectorStateSpace::StateType>()->values[i];
-			if ( bounds.high[i] - bounds.low[i] > far_limits )
-			{
-				const std::string name = vector.getDimensionName( i );
-				notices.add( "joint limits",
-				    fmt::format( "joint {}: limits are {:g} to {:g}: planning keeps within {:g} of start and goal",
-				        name.empty() ? vector.getName() : name, bounds.low[i], bounds.high[i], room_beyond_ends ) );
-				bounds.low[i] = std::max( bounds.low[i], std::min( a, b ) - room_beyond_ends );
-				bounds.high[i] = std::min( bounds.high[i], std::max( a, b ) + room_beyond_ends );
-			}
-		}
-		vector.setBounds( bounds );
-	}
-}
-
-// Makes room in the bounds for a state that lies beyond them by a rounding (see limit_tolerance): planners take only ends
-// inside the bounds, and moving the end would answer another question.
-void widen( ob::StateSpace& space, const ob::State& state )
-{
-	if ( space.isCompound() )
-	{
-		auto& compound = *space.as<ob::CompoundStateSpace>();
-		for ( unsigned int i = 0; i < compound.getSubspaceCount(); ++i )
-		{
-			widen( *compound.getSubspace( i ), *state.as<ob::CompoundState>()->components[i] );
-		}
-	}
-	else if ( space.getType() == ob::STATE_SPACE_REAL_VECTOR )
-	{
-		auto& vector = *space.as<ob::RealVectorStateSpace>();
-		ob::RealVectorBounds bounds = vector.getBounds();
-		for ( unsigned int i = 0; i < vector.getDimension(); ++i )
-		{
-			const double value = state.as<ob::RealVectorStateSpace::StateType>()->values[i];
-			bounds.low[i] = std::min( bounds.low[i], value );
-			bounds.high[i] = std::max( bounds.high[i], value );
-		}
-		vector.setBounds( bounds );
-	}
-}
-
 // A line a second, with --verbose.
 void tellGrowth( const planners::Growth& growth, double seconds )
 {
@@ -380,6 +317,7 @@ public:
 		{
 			finish( *definition->getSolutionPath()->as<og::PathGeometric>(), solution );
 			optimize( solution );
+			pushAway( solution );
 		}
 		else
 		{
@@ -553,6 +491,47 @@ private:
 			solution.points = points;
 			solution.edges = edges;
 		}
+	}
+
+	// Pushes the path away from near obstacles and links.
+	void pushAway( Solution& solution )
+	{
+		if ( !( m_options.clearance_goal > 0 ) )
+		{
+			return;
+		}
+		if ( !( m_range > 0 ) )
+		{
+			throw io::Error( "command line", "--clearance-goal",
+			    "group " + m_bench.problem().group + " has a floating joint", "leave it out" );
+		}
+		planners::ClearanceSettings settings;
+		settings.edge = edgeDef( m_options );
+		settings.goal = m_options.clearance_goal;
+		planners::Path path = flat( solution.points );
+		const Query query = makeQuery( m_bench.checker() );
+		planners::ClearanceReport report;
+		require(
+		    planners::raiseClearance( m_bench.checker(), query.get(), settings, {}, path, &report ), "--clearance-goal" );
+		const Points points = unwrapped( pointsOf( path ) );
+		const Edges edges = certify( m_bench, points, settings.edge );
+		if ( !edges.all() ) // as numbers that go on without jumps
+		{
+			report.changed = false;
+			report.length_after = report.length_before;
+			report.notice = "the better path is not proved with the numbers of the start";
+			for ( planners::ClearanceChange* change : { &report.environment, &report.self } )
+			{
+				change->after = change->before;
+				change->middle_after = change->middle_before;
+			}
+		}
+		if ( report.changed )
+		{
+			solution.points = points;
+			solution.edges = edges;
+		}
+		solution.clearance = report;
 	}
 
 	const PlanOptions& m_options;

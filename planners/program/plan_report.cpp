@@ -44,6 +44,45 @@ PathFile pathFile(
 	return path;
 }
 
+namespace
+{
+
+Json clearanceJson( const planners::ClearanceReport& report )
+{
+	const auto range = []( const planners::ClearanceRange& r ) {
+		return Json{ { "lower", r.lower }, { "upper", jsonNumber( r.upper ) } };
+	};
+	const auto change = [&]( const planners::ClearanceChange& c )
+	{
+		return Json{ { "before", range( c.before ) }, { "after", range( c.after ) },
+		    { "middle_before", range( c.middle_before ) }, { "middle_after", range( c.middle_after ) },
+		    { "ends", jsonNumber( c.ends ) } };
+	};
+	return { { "goal", report.goal }, { "changed", report.changed }, { "environment", change( report.environment ) },
+	    { "self", change( report.self ) }, { "length_before", report.length_before },
+	    { "length_after", report.length_after }, { "seconds", report.seconds }, { "notice", report.notice } };
+}
+
+/// A line: the least clearances that are proved, before and after.
+std::string clearanceText( const planners::ClearanceReport& report )
+{
+	std::string text = "clearance   ";
+	const auto add = [&]( const char* kind, const planners::ClearanceChange& c )
+	{
+		if ( std::isfinite( c.before.upper ) )
+		{
+			text += fmt::format( "{} {:.6f} to {:.6f} m (without the first and last tenth {:.6f} to {:.6f}); ", kind,
+			    c.before.lower, c.after.lower, c.middle_before.lower, c.middle_after.lower );
+		}
+	};
+	add( "environment", report.environment );
+	add( "self", report.self );
+	return text + fmt::format( "length {:.6g} to {:.6g} in {:.3f} s{}{}\n", report.length_before, report.length_after,
+	                  report.seconds, report.notice.empty() ? "" : "; ", report.notice );
+}
+
+} // namespace
+
 Json reportJson( const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution )
 {
 	Json json;
@@ -101,6 +140,10 @@ Json reportJson( const PlanOptions& options, const Input& input, const Workbench
 			shorter["lengths"].push_back( { { "seconds", step.seconds }, { "length", step.length } } );
 		}
 	}
+	if ( solution.clearance )
+	{
+		json["clearance"] = clearanceJson( *solution.clearance );
+	}
 	if ( !solution.solved && !solution.stuck.ends[0].empty() )
 	{
 		json["stuck"] = toJson( bench, solution.stuck );
@@ -156,8 +199,9 @@ std::string summary( const PlanOptions& options, const Solution& solution )
 		    shorter.back().length, solution.seconds.optimize, counted( shorter.size() - 1, "better path" ),
 		    solution.shorter.searches );
 	}
-	return text + fmt::format( "; before simplification {}, length {:.6g}\n", counted( solution.raw_states, "state" ),
-	                  solution.raw_length );
+	text += fmt::format(
+	    "; before simplification {}, length {:.6g}\n", counted( solution.raw_states, "state" ), solution.raw_length );
+	return text + ( solution.clearance ? clearanceText( *solution.clearance ) : "" );
 }
 
 void tellNoPath( const PlanOptions& options, const Workbench& bench, const Solution& solution )

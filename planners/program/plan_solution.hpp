@@ -8,9 +8,11 @@
 
 #include "leeway/ik/goal_states.hpp"
 #include "leeway/ompl/validity.hpp"
+#include "leeway/planners/clearance.hpp"
 #include "leeway/planners/optimize.hpp"
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,10 +49,11 @@ struct Solution
 	std::map<std::string, std::string> parameters; // of the planner
 	::leeway::ompl::Counters counters;             // of the engine
 	std::vector<::leeway::ompl::UndecidedPair> undecided_pairs;
-	std::string undecided;            // a sentence on them
-	planners::OptimizeReport shorter; // of --optimize
-	planners::Stuck stuck;            // of leeway's own planner, if it was tried and nothing was solved
-	ik::GoalStates goals;             // of a pose goal
+	std::string undecided;                              // a sentence on them
+	planners::OptimizeReport shorter;                   // of --optimize
+	std::optional<planners::ClearanceReport> clearance; // of --clearance-goal
+	planners::Stuck stuck;                              // of leeway's own planner, if it was tried and nothing was solved
+	ik::GoalStates goals;                               // of a pose goal
 	double ik_seconds = 0;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The planner for C: structs to settings and back, exceptions to statuses.
+#include "leeway/planners/clearance.hpp"
 #include "leeway/planners/optimize.hpp"
 #include "leeway/planners/planner.h"
 #include "leeway/planners/portfolio.hpp"
@@ -92,6 +93,9 @@ void requireDef( const lw_plan_def* def )
 	need( def->start_count > 0 && def->starts != nullptr, "plan def: starts needs at least one state" );
 	need( def->goal_count > 0 && def->goals != nullptr, "plan def: goals needs at least one state" );
 	need( def->optimize_seconds >= 0, "plan def: optimize_seconds must be at least 0" );
+	need( def->clearance_goal >= 0 && std::isfinite( def->clearance_goal ),
+	    "plan def: clearance_goal must be finite and at least 0" );
+	need( def->clearance_seconds > 0, "plan def: clearance_seconds must be above 0" );
 	need( !std::isnan( def->seconds ), "plan def: seconds is not a number; give INFINITY for no limit" );
 	need( def->query == nullptr || lw_query_fits( def->query, def->checker ),
 	    "plan def: the query does not fit the checker; make one for it, or give NULL" );
@@ -206,6 +210,27 @@ void shorten(
 	out.improvement_count = static_cast<std::uint32_t>( report.improvements.size() );
 }
 
+lw_plan_clearance clearanceOf( const ClearanceChange& change )
+{
+	const auto range = []( const ClearanceRange& r ) { return lw_plan_range{ r.lower, r.upper }; };
+	return { range( change.before ), range( change.after ), range( change.middle_before ), range( change.middle_after ),
+	    change.ends };
+}
+
+void pushAway(
+    const lw_plan_def& def, lw_query* query, const Clock& clock, Path& path, Statistics& work, lw_plan_result& out )
+{
+	ClearanceSettings settings;
+	settings.edge = def.edge;
+	settings.goal = def.clearance_goal;
+	settings.seconds = def.clearance_seconds;
+	ClearanceReport report;
+	requireOk( raiseClearance( def.checker, query, settings, clock.stop(), path, &report ), "raising the clearance" );
+	work += report.work;
+	out.environment_clearance = clearanceOf( report.environment );
+	out.self_clearance = clearanceOf( report.self );
+}
+
 /// The start that the path begins with: the nearest one, whose angles may be whole turns away.
 const double* startOf( const lw_plan_def& def, const Path& path )
 {
@@ -224,9 +249,9 @@ const double* startOf( const lw_plan_def& def, const Path& path )
 	return nearest;
 }
 
-/// The path smoothed and shortened, from the numbers of its start on. @return true if its edges, as numbers, are free
-bool finish( const lw_plan_def& def, lw_query* query, const Clock& clock, std::uint64_t seed, Path& path, Statistics& work,
-    lw_plan_result& out )
+/// The path smoothed, shortened and pushed away, from the numbers of its start on. @return true if its edges, as numbers, are free
+bool finish( const lw_plan_def& def, lw_query* query, const Clock& clock, std::uint64_t seed, bool push, Path& path,
+    Statistics& work, lw_plan_result& out )
 {
 	if ( def.smooth )
 	{
@@ -238,6 +263,11 @@ bool finish( const lw_plan_def& def, lw_query* query, const Clock& clock, std::u
 	if ( def.optimize_seconds > 0 && out.improvements == nullptr )
 	{
 		shorten( def, query, clock, path, work, out );
+	}
+	out.environment_clearance = out.self_clearance = {};
+	if ( push )
+	{
+		pushAway( def, query, clock, path, work, out );
 	}
 	bool free = true;
 	if ( unwrap( def.checker, startOf( def, path ), path ) )
@@ -256,7 +286,8 @@ bool takePath(
 	for ( std::uint64_t i = 0; i < tries; ++i )
 	{
 		Path path = raw;
-		if ( finish( def, query, clock, out.seed + ( i << 32 ), path, work, out ) )
+		const bool push = def.clearance_goal > 0 && i + 1 < tries; // the last try has fewer roundings to be proved
+		if ( finish( def, query, clock, out.seed + ( i << 32 ), push, path, work, out ) )
 		{
 			out.length = length( def.checker, path );
 			out.states = copied( path.values );
@@ -371,6 +402,7 @@ extern "C" lw_plan_def lw_plan_def_default( void )
 	def.seconds = HUGE_VAL;
 	def.smooth = true;
 	def.optimize_samples = UINT64_MAX;
+	def.clearance_seconds = ClearanceSettings().seconds;
 	def.explain = true;
 	def.cookie = cookie;
 	return def;

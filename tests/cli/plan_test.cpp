@@ -148,6 +148,30 @@ TEST_F( CliPlan, OptimizeShortensAndReportsLengths )
 	EXPECT_EQ( runModel( "plan", more, "blocked.yaml" ).status, 2 );
 }
 
+TEST_F( CliPlan, ClearanceGoalPushesAndReportsBothClearances )
+{
+	const std::vector<std::string> common = { "--request", "request.yaml", "--report", "r.json", "--out", "path.yaml" };
+	std::vector<std::string> more = common;
+	more.insert( more.end(), { "--clearance-goal", "0.03" } );
+	ASSERT_EQ( runModel( "plan", common, "blocked.yaml" ).status, 0 );
+	const auto plain = nlohmann::json::parse( readFile( path( "r.json" ) ) );
+	EXPECT_FALSE( plain.contains( "clearance" ) );
+	const Outcome plan = runModel( "plan", more, "blocked.yaml" );
+	ASSERT_EQ( plan.status, 0 ) << plan.err;
+	const auto report = nlohmann::json::parse( readFile( path( "r.json" ) ) );
+	const auto& environment = report["clearance"]["environment"];
+	EXPECT_EQ( report["clearance"]["goal"], 0.03 );
+	EXPECT_GE( environment["after"]["lower"], environment["before"]["lower"] );
+	EXPECT_LE( environment["after"]["lower"], environment["after"]["upper"] );
+	// The audit measures states without knowing of edges
+	EXPECT_LE( environment["after"]["lower"].get<double>(), report["audit"]["environment"]["lower"].get<double>() + 1e-9 );
+	EXPECT_LE( report["path"]["length"].get<double>(), 1.1 * plain["path"]["length"].get<double>() + 1e-9 );
+	EXPECT_TRUE( report["audit"]["valid"] );
+	EXPECT_TRUE( contains( plan.err + plan.out, "clearance   environment" ) ) << plan.err << plan.out;
+	more.back() = "0";
+	EXPECT_EQ( runModel( "plan", more, "blocked.yaml" ).status, 2 );
+}
+
 TEST_F( CliPlan, ParametersReachThePlanner )
 {
 	const Outcome plan = runModel( "plan",

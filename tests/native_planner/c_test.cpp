@@ -108,6 +108,37 @@ TEST( NativePlannerInC, ShorterPathsAreReported )
 	EXPECT_NE( std::string( c.diag.message ).find( "optimize_seconds" ), std::string::npos );
 }
 
+TEST( NativePlannerInC, ClearanceGoalPushesAndReports )
+{
+	for ( const char* name : { "Gantry", "Arm", "Carrier" } )
+	{
+		SCOPED_TRACE( name );
+		CProblem plain( worldOf( name ) ), pushed( worldOf( name ) );
+		pushed.def.clearance_goal = 0.03;
+		pushed.def.clearance_seconds = HUGE_VAL;
+		ASSERT_EQ( plain.solve(), LW_OK );
+		ASSERT_EQ( pushed.solve(), LW_OK );
+		EXPECT_EQ( plain.result.environment_clearance.before.upper, 0 ) << "not asked for";
+		const lw_plan_clearance& c = pushed.result.environment_clearance;
+		EXPECT_GT( c.middle_after.lower, c.middle_before.lower );
+		EXPECT_GE( c.after.lower, c.before.lower );
+		EXPECT_LE( c.after.lower, c.after.upper );
+		EXPECT_LE( pushed.result.length, 1.1 * plain.result.length + 1e-9 );
+		EXPECT_EQ( stateOf( pushed.path(), 0 ), pushed.world.start );
+		audit( pushed.checker, pushed.path(),
+		    c.after.lower > 0 ? std::min( c.after.lower, pushed.result.self_clearance.after.lower ) : 0 );
+		for ( const double bad : { -1.0, inf, nan_value } )
+		{
+			pushed.def.clearance_goal = bad;
+			EXPECT_EQ( pushed.solve(), LW_ERROR_INVALID_ARGUMENT );
+			EXPECT_NE( std::string( pushed.diag.message ).find( "clearance_goal" ), std::string::npos );
+		}
+		pushed.def.clearance_goal = 0.03;
+		pushed.def.clearance_seconds = 0;
+		EXPECT_EQ( pushed.solve(), LW_ERROR_INVALID_ARGUMENT );
+	}
+}
+
 TEST( NativePlannerInC, QueryOfTheCallerGivesTheSamePath )
 {
 	CProblem own( worldOf( "Arm" ) ), given( worldOf( "Arm" ) );

@@ -129,6 +129,9 @@ class Plan(NamedTuple):
     improvements: Array  #: float64 [k, 2]: seconds and length, with optimize_seconds
     min_d: float = 0.0  #: metres: every edge keeps more
     slack: float = 0.001  #: metres
+    #: with clearance_goal: for "environment" and "self" the least clearance "before" and "after", (proved, measured), the same of the
+    #: path without the first and the last tenth of its length ("middle_before", "middle_after"), and that of the "ends"; metres
+    clearance: dict[str, Any] | None = None
 
     @property
     def solved(self) -> bool:

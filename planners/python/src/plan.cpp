@@ -68,8 +68,28 @@ nb::dict statisticsOf( const lw_plan_result& r )
 	return out;
 }
 
-nb::object resultOf( const lw_plan_result& r, double min_d, double slack )
+nb::dict clearanceOf( const lw_plan_clearance& c )
 {
+	const auto range = []( const lw_plan_range& r ) { return nb::make_tuple( r.lower, r.upper ); };
+	nb::dict out;
+	out["before"] = range( c.before );
+	out["after"] = range( c.after );
+	out["middle_before"] = range( c.middle_before );
+	out["middle_after"] = range( c.middle_after );
+	out["ends"] = c.ends;
+	return out;
+}
+
+nb::object resultOf( const lw_plan_result& r, double min_d, double slack, bool pushed )
+{
+	nb::object clearance = nb::none();
+	if ( pushed && r.states != nullptr )
+	{
+		nb::dict both;
+		both["environment"] = clearanceOf( r.environment_clearance );
+		both["self"] = clearanceOf( r.self_clearance );
+		clearance = both;
+	}
 	nb::object states = nb::none();
 	if ( r.states != nullptr )
 	{
@@ -80,13 +100,13 @@ nb::object resultOf( const lw_plan_result& r, double min_d, double slack )
 	const NewArray<double> improvements( { r.improvement_count, 2 } );
 	std::copy( r.improvements, r.improvements + std::size_t( r.improvement_count ) * 2, improvements.data );
 	return result( "Plan", nb::make_tuple( nb::cast( r.outcome ), states, r.length, r.raw_length, r.seconds, r.seed,
-	                           nb::str( r.message ), statisticsOf( r ), improvements.object, min_d, slack ) );
+	                           nb::str( r.message ), statisticsOf( r ), improvements.object, min_d, slack, clearance ) );
 }
 
 /// Numbers that plan() and lw_plan_def share.
 struct Numbers
 {
-	double seconds, min_d, slack, range, optimize_seconds;
+	double seconds, min_d, slack, range, optimize_seconds, clearance_goal, clearance_seconds;
 	std::uint64_t seed, most_nodes, optimize_samples;
 	std::uint32_t threads;
 	bool smooth;
@@ -125,10 +145,12 @@ nb::object plan( const PyChecker& checker, const Doubles& start, const Doubles& 
 	def.smooth = n.smooth;
 	def.optimize_seconds = n.optimize_seconds;
 	def.optimize_samples = n.optimize_samples;
+	def.clearance_goal = n.clearance_goal;
+	def.clearance_seconds = n.clearance_seconds;
 	PlanGuard guard;
 	lw_diag diag{};
 	require( planInterruptibly( def, diag, guard.result ), diag );
-	return resultOf( guard.result, n.min_d, n.slack );
+	return resultOf( guard.result, n.min_d, n.slack, n.clearance_goal > 0 );
 }
 
 } // namespace
@@ -142,11 +164,11 @@ void bindPlans( nb::module_&, nb::class_<PyChecker>& type )
 	    []( const PyChecker& checker, const Doubles& start, const Doubles& goal, double seconds, const Whole& seed,
 	        const Whole& threads, double min_d, double slack, const std::string& check, double range, bool smooth,
 	        double optimize_seconds, const Whole& optimize_samples, const Whole& most_nodes, const nb::object& lower,
-	        const nb::object& upper )
+	        const nb::object& upper, double clearance_goal, double clearance_seconds )
 	    {
 		    constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
 		    return plan( checker, start, goal,
-		        { seconds, min_d, slack, range, optimize_seconds, seed.seed(),
+		        { seconds, min_d, slack, range, optimize_seconds, clearance_goal, clearance_seconds, seed.seed(),
 		            most_nodes.in( "most_nodes", 2, std::numeric_limits<std::uint32_t>::max() ),
 		            optimize_samples.in( "optimize_samples", 0, most ), threads.threads(), smooth },
 		        check, lower, upper );
@@ -154,18 +176,21 @@ void bindPlans( nb::module_&, nb::class_<PyChecker>& type )
 	    "start"_a, "goal"_a, nb::kw_only(), "seconds"_a = infinity, "seed"_a.none() = 1, "threads"_a.none() = 1,
 	    "min_d"_a = 0.0, "slack"_a = 1e-3, "check"_a = "both", "range"_a = 0.0, "smooth"_a = true,
 	    "optimize_seconds"_a = 0.0, "optimize_samples"_a.none() = def.optimize_samples,
-	    "most_nodes"_a.none() = def.most_nodes, "lower"_a = nb::none(), "upper"_a = nb::none(),
+	    "most_nodes"_a.none() = def.most_nodes, "lower"_a = nb::none(), "upper"_a = nb::none(), "clearance_goal"_a = 0.0,
+	    "clearance_seconds"_a = def.clearance_seconds,
 	    nb::sig(
 	        "def plan(self, start: numpy.typing.ArrayLike, goal: numpy.typing.ArrayLike, *, seconds: float = float('inf'), "
 	        "seed: int = 1, threads: int = 1, min_d: float = 0.0, slack: float = 0.001, check: str = 'both', range: float = 0.0, "
 	        "smooth: bool = True, optimize_seconds: float = 0.0, optimize_samples: int = ..., most_nodes: int = ..., "
-	        "lower: numpy.typing.ArrayLike | None = None, upper: numpy.typing.ArrayLike | None = None) -> leeway.results.Plan" ),
+	        "lower: numpy.typing.ArrayLike | None = None, upper: numpy.typing.ArrayLike | None = None, "
+	        "clearance_goal: float = 0.0, clearance_seconds: float = 0.01) -> leeway.results.Plan" ),
 	    "Searches a path from a start to a goal; every edge of it is proved FREE.\n\n"
 	    "start, goal: float64 [dof], or alternatives [k, dof], radians and metres. seconds: of the clock, for search and smoothing.\n"
 	    "seed: equal seeds give equal paths unless time ends the work or threads > 1. threads: searches side by side. min_d, slack:\n"
 	    "metres, as for edges(). range: longest edge of the search, 0 = a length that suits the robot. smooth: shortcuts, proved again.\n"
 	    "optimize_seconds, optimize_samples: after the first path look for shorter ones. lower, upper: float64 [dof], bounds of the\n"
-	    "samples in place of joint limits.\n\n"
+	    "samples in place of joint limits. clearance_goal: metres above min_d, up to which the path is pushed away from obstacles and links, for\n"
+	    "clearance_seconds (infinity: until nothing is gained, so that equal seeds give equal paths); the path gets at most a tenth longer.\n\n"
 	    "Returns a Plan: outcome (leeway.Outcome), path float64 [n, dof] or None, length, ... ; message has the reasons without a path.\n"
 	    "Ctrl-C ends the search. Raises CoreError for an end outside of the bounds." );
 }

@@ -116,6 +116,14 @@ def test_plans_state_their_reasons(checker, states):
     several = checker.plan(free[2], free[:6], threads=2, optimize_seconds=0.1, seconds=5)
     assert several.solved and several.length <= several.raw_length + 1e-9 and checker.path(several.path).all_free
 
+    pushed = checker.plan(free[2], free[3], seed=5, clearance_goal=0.03, clearance_seconds=numpy.inf)
+    assert again[0].clearance is None and checker.path(pushed.path).all_free
+    for kind in ("environment", "self"):
+        change = pushed.clearance[kind]
+        assert change["before"][0] <= change["after"][0] <= change["after"][1] <= change["ends"] + 1e-3
+    with pytest.raises(leeway.CoreError, match="clearance_goal"):
+        checker.plan(free[2], free[3], clearance_goal=-1)
+
 
 def test_goal_states_reach_their_pose_and_are_free(checker, robot, states):
     q = states[checker.is_free(states, min_d=0.005)][0]

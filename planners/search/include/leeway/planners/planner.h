@@ -77,7 +77,12 @@ typedef struct lw_plan_def
 	/// After the first path: shorter ones for so many seconds, as long as `seconds` lasts, or for so many samples: optimize.hpp. 0: no; 0
 	double optimize_seconds;
 	uint64_t optimize_samples; ///< UINT64_MAX
-	bool explain;              ///< without a path, measure the reasons: up to a second after the end of the search; true
+	/// After all other work the path is pushed away from obstacles and links, up to this clearance above edge.min_d, metres: clearance.hpp. The
+	/// path gets longer by a tenth at most. 0: no; 0
+	double clearance_goal;
+	/// Of the clock, for that, as long as `seconds` lasts; INFINITY: until nothing is gained, so that equal seeds give equal paths; 0.01
+	double clearance_seconds;
+	bool explain; ///< without a path, measure the reasons: up to a second after the end of the search; true
 	uint32_t cookie;
 } lw_plan_def;
 
@@ -122,6 +127,20 @@ typedef struct lw_plan_stuck
 	bool enclosed[2]; ///< of these ends: free, and no travel reaches 0.01
 } lw_plan_stuck;
 
+/// The least clearance along a path: [proved for every state, measured at a state], metres, no more than the goal.
+typedef struct lw_plan_range
+{
+	double lower, upper;
+} lw_plan_range;
+
+/// The effect of lw_plan_def.clearance_goal on one kind of pairs; zeroed without it, or if the path was not looked at.
+typedef struct lw_plan_clearance
+{
+	lw_plan_range before, after;               ///< of the whole path
+	lw_plan_range middle_before, middle_after; ///< without the first and the last tenth of its length
+	double ends; ///< the clearance of the start and the goal, the smaller one: no path between them has more
+} lw_plan_clearance;
+
 /// An answer. lw_plan() fills it, whatever it returns; lw_plan_result_clear() frees its arrays.
 typedef struct lw_plan_result
 {
@@ -138,8 +157,9 @@ typedef struct lw_plan_result
 	/// began with. Owned by the result; NULL without optimize_seconds
 	double* improvements;
 	uint32_t improvement_count;
-	double seconds; ///< of the clock, for the whole call
-	uint64_t seed;  ///< of the search that found the path: with it and threads = 1 the call gives the same path
+	lw_plan_clearance environment_clearance, self_clearance; ///< with clearance_goal
+	double seconds;                                          ///< of the clock, for the whole call
+	uint64_t seed; ///< of the search that found the path: with it and threads = 1 the call gives the same path
 	lw_plan_statistics statistics;
 	lw_plan_stuck stuck;
 	char message[LW_PLAN_MESSAGE]; ///< lines in UTF-8 on an outcome without a path, always terminated; empty if SOLVED
