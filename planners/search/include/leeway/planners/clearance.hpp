@@ -16,8 +16,8 @@ struct ClearanceSettings
 	lw_edge_def edge = lw_edge_def_default();
 	double goal = 0.03;  ///< metres above edge.min_d, > 0: clearance beyond it gains nothing
 	double longer = 0.1; ///< >= 0: the path gets longer by at most this share
-	double seconds =
-	    0.01; ///< of the clock, for everything; INFINITY: `rounds` ends the work, and equal calls give equal paths
+	/// Of the clock, for everything; INFINITY: `rounds` ends the work, and equal calls give equal paths.
+	double seconds = 0.01;
 	unsigned rounds = 12; ///< at most; a round pushes the points of the path, then proves it
 };
 
@@ -59,7 +59,7 @@ struct ClearanceReport
 /// @param path at least one state. Unchanged if it is not proved free, or after an error
 /// @return LW_OK, also if time or Stop ends it; else the checker's status
 /// @throws InputError for settings out of their domain, a path of another dimension, or a floating joint in the group
-/// Cost: `seconds`; the last proof of all edges may exceed it by a millisecond. Method: core/docs/lab/planning.md.
+/// Cost: `seconds`; the last proof of all edges may exceed it, by some milliseconds on robots of many links. Method: core/docs/lab/planning.md.
 lw_status raiseClearance( const lw_checker* checker, lw_query* query, const ClearanceSettings& settings, const Stop& stop,
     Path& path, ClearanceReport* report = nullptr );
 
