@@ -38,7 +38,7 @@ typedef enum lw_clearance_class
 /// Rounding: lower is never above the true distance. upper is below it by at most R = 1.4e-14 S + 1e-56 m, where S bounds
 /// the distance between the two frames and the sizes of both shapes; S does not depend on the distance to the world origin.
 /// For bodies of a few metres R is below 1e-12 m; 1000 km apart it is 14 nm. With alpha = 0, upper - lower is at most R;
-/// boxes and convex meshes add 1e-12 S, cylinders and cones 1e-10 S. Witness points are rounded world coordinates. Robot states add the
+/// boxes add 1e-12 S, cylinders and cones 1e-10 S. Witness points are rounded world coordinates. Robot states add the
 /// rounding of kinematics: lw_checker_state(). Exact terms and measurements: core/docs/numerics.md.
 typedef struct lw_clearance
 {

@@ -306,6 +306,18 @@ static void point_and_primitive( const lwi_pair* pair, lwi_bounds* bounds )
 	bounds->iterations = 1;
 }
 
+/// The interval to reach. Polytopes end within rounding by themselves mostly, and meshes have to; for curved pieces each further
+/// digit is two iterations.
+static double width_of( const lwi_pair* pair )
+{
+	const bool boxes = pair->a.type == LWI_CONVEX_BOX || pair->b.type == LWI_CONVEX_BOX;
+	const bool curved = is_curved( &pair->a ) || is_curved( &pair->b );
+	const bool meshes = climbs( &pair->a ) || climbs( &pair->b );
+	return curved             ? 0.1 * LWI_CONVEX_WIDTH_CURVED * pair->extent
+		   : meshes && !boxes ? 0
+							  : LWI_CONVEX_WIDTH_POLYTOPE * pair->extent;
+}
+
 lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b,
 	double stop_above, double stop_below )
 {
@@ -331,9 +343,7 @@ lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b,
 	}
 	else
 	{
-		// Polytopes end within rounding by themselves mostly; for curved pieces each further digit is two iterations
-		bool curved = is_curved( &pair.a ) || is_curved( &pair.b );
-		double width = ( curved ? 0.1 * LWI_CONVEX_WIDTH_CURVED : LWI_CONVEX_WIDTH_POLYTOPE ) * pair.extent;
+		double width = width_of( &pair );
 		lwi_simplex simplex;
 		if ( !gjk( &pair, width, stop_above, stop_below, &simplex, &bounds ) )
 		{

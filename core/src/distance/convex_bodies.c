@@ -16,7 +16,7 @@ static bool piece_of( const lw_shape* shape, lwi_convex* out )
 	if ( shape->convex != NULL )
 	{
 		*out = ( lwi_convex ){ .type = LWI_CONVEX_POINTS,
-			.points = shape->vertices,
+			.points = shape->convex->points,
 			.point_count = shape->vertex_count,
 			.mesh = shape->convex };
 		return true;
@@ -38,6 +38,12 @@ static uint32_t item_at( const lw_shape* shape, uint32_t vertex )
 								   : 0;
 }
 
+/// Of a body that meets another: no triangle of a mesh, whose inside may be all that they share.
+static uint32_t item_in_contact( const lw_shape* shape )
+{
+	return shape->primitive || shape->convex != NULL ? LW_INVALID_INDEX : 0;
+}
+
 /// A body with its inside.
 static bool is_solid( const lw_shape* shape )
 {
@@ -48,6 +54,9 @@ static double dilation_of( const lw_shape* shape )
 {
 	return shape->primitive ? 0 : lwi_item_radius( shape, 0 );
 }
+
+/// Of LWI_EXACT_ERROR: poses, and moving the pieces. The rest is that of two triangles; convex pieces count their own.
+#define POSE_ERROR ( 56.0 / 120.0 )
 
 bool lwi_search_convex( lwi_searching* s )
 {
@@ -60,17 +69,17 @@ bool lwi_search_convex( lwi_searching* s )
 		return false;
 	}
 	s->memory->stats.exact_tests++;
+	const double error = POSE_ERROR * s->error;
 	const double radii = dilation_of( a ) + dilation_of( b ) + s->bound->margin;
 	const double stop_below = ( s->bound->range.min_d + radii ) * ( 1 - 8 * LWI_U64 );
-	const double excess = ( a->convex != NULL ? a->convex->excess : 0 ) + ( b->convex != NULL ? b->convex->excess : 0 );
 	const lwi_convex_result r =
-		lwi_convex_distance( &piece_a, &piece_b, s->a_from_b, s->bound->cutoff + radii + 2 * s->error, stop_below );
-	if ( !( r.lower > s->error ) )
+		lwi_convex_distance( &piece_a, &piece_b, s->a_from_b, s->bound->cutoff + radii + 2 * error, stop_below );
+	if ( !( r.lower > error ) )
 	{
 		const bool contact = r.upper == 0 && is_solid( a ) && is_solid( b );
 		if ( contact ) // at a point that is inside, or on both surfaces
 		{
-			lwi_offer_items( s, 0, 0, r.point_a, r.point_b, LW_INVALID_INDEX, LW_INVALID_INDEX );
+			lwi_offer_items( s, 0, 0, r.point_a, r.point_b, item_in_contact( a ), item_in_contact( b ) );
 		}
 		return contact;
 	}
@@ -80,6 +89,6 @@ bool lwi_search_convex( lwi_searching* s )
 		return true;
 	}
 	const uint32_t item_a = item_at( a, r.vertex_a ), item_b = item_at( b, r.vertex_b );
-	lwi_offer_items( s, r.lower - s->error, r.upper + excess, r.point_a, r.point_b, item_a, item_b );
+	lwi_offer_items( s, r.lower - error, r.upper, r.point_a, r.point_b, item_a, item_b );
 	return true;
 }

@@ -85,7 +85,7 @@ static inline uint32_t lwi_named_element( const lw_shape* shape, uint32_t elemen
 	const lw_shape* made = lwi_shape_now( shape );
 	if ( made->convex != NULL && element != LW_INVALID_INDEX )
 	{
-		return lwi_convex_mesh_triangle( made, point, made->indices[3 * (size_t)element] );
+		return lwi_convex_mesh_triangle( made, point, element );
 	}
 	return shape->type == LW_SHAPE_SPHERE || shape->type == LW_SHAPE_CAPSULE ? LW_INVALID_INDEX : element;
 }

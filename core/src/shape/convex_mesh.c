@@ -6,7 +6,7 @@
 // hull; how far it had to be moved bounds how far a point of the hull's boundary is from the surface along its ray.
 #include "shape/shape.h"
 
-#include <string.h>
+#include <stdlib.h>
 
 /// Of the radius: what a hull's boundary may be from the surface. Rounding of the vertices of a hull gives some 1e-15.
 #define MOST_EXCESS 1e-12
@@ -44,13 +44,30 @@ static bool has_neighbour( const lwi_convex_mesh* hull, uint32_t from, uint32_t 
 	return found == times;
 }
 
+static void sort_neighbours( lwi_convex_mesh* hull, uint32_t vertex )
+{
+	for ( uint32_t i = hull->first[vertex] + 1; i < hull->first[vertex + 1]; ++i )
+	{
+		const uint32_t to = hull->neighbours[i], triangle = hull->triangles[i];
+		uint32_t at = i;
+		for ( ; at > hull->first[vertex] && hull->neighbours[at - 1] > to; --at )
+		{
+			hull->neighbours[at] = hull->neighbours[at - 1];
+			hull->triangles[at] = hull->triangles[at - 1];
+		}
+		hull->neighbours[at] = to;
+		hull->triangles[at] = triangle;
+	}
+}
+
 /// Lists the neighbours of each vertex. True if every edge of the triangles runs once each way, when c is behind all of them.
 static bool find_neighbours( const lw_shape* mesh, lw_vec3 c, lwi_convex_mesh* hull )
 {
 	const uint32_t vertices = mesh->vertex_count, edges = 3 * mesh->item_count;
 	for ( uint32_t i = 0; i < edges; ++i )
 	{
-		++hull->first[mesh->indices[i] + 1]; // as many edges of triangles begin at a vertex as there are corners
+		++hull->first[hull->place[mesh->indices[i]] +
+					  1]; // as many edges of triangles begin at a vertex as there are corners
 	}
 	for ( uint32_t v = 0; v < vertices; ++v )
 	{
@@ -60,9 +77,9 @@ static bool find_neighbours( const lw_shape* mesh, lw_vec3 c, lwi_convex_mesh* h
 	{
 		const uint32_t* t = mesh->indices + i - i % 3;
 		const uint32_t to = t[( i + ( is_turned( mesh, t, c ) ? 2 : 1 ) ) % 3];
-		const uint32_t place = --hull->first[t[i % 3] + 1];
-		hull->neighbours[place] = to;
-		hull->triangles[place] = i / 3;
+		const uint32_t at = --hull->first[hull->place[t[i % 3]] + 1];
+		hull->neighbours[at] = hull->place[to];
+		hull->triangles[at] = i / 3;
 	}
 	// each first[v + 1] is now where the list of v begins
 	for ( uint32_t v = 0; v < vertices; ++v )
@@ -72,6 +89,7 @@ static bool find_neighbours( const lw_shape* mesh, lw_vec3 c, lwi_convex_mesh* h
 	hull->first[vertices] = edges;
 	for ( uint32_t v = 0; v < vertices; ++v )
 	{
+		sort_neighbours( hull, v );
 		for ( uint32_t i = hull->first[v]; i < hull->first[v + 1]; ++i )
 		{
 			const uint32_t to = hull->neighbours[i];
@@ -82,6 +100,49 @@ static bool find_neighbours( const lw_shape* mesh, lw_vec3 c, lwi_convex_mesh* h
 		}
 	}
 	return true;
+}
+
+typedef struct sorted
+{
+	double at[3];
+	uint32_t vertex;
+} sorted;
+
+static int by_place( const void* x, const void* y )
+{
+	const double *a = ( (const sorted*)x )->at, *b = ( (const sorted*)y )->at;
+	for ( int k = 0; k < 3; ++k )
+	{
+		if ( a[k] != b[k] )
+		{
+			return a[k] < b[k] ? -1 : 1;
+		}
+	}
+	return 0;
+}
+
+/// Fills `points`, `place`, `reach` and `mean`. @param memory [vertex_count]
+static void sort_points( const lw_shape* mesh, sorted* memory, lwi_convex_mesh* hull )
+{
+	for ( uint32_t i = 0; i < mesh->vertex_count; ++i )
+	{
+		const double* v = mesh->vertices + 3 * (size_t)i;
+		memory[i] = ( sorted ){ { v[0], v[1], v[2] }, i };
+	}
+	qsort( memory, mesh->vertex_count, sizeof( *memory ), by_place );
+	lw_vec3 sum = { 0, 0, 0 };
+	for ( uint32_t i = 0; i < mesh->vertex_count; ++i )
+	{
+		double* p = hull->points + 3 * (size_t)i;
+		p[0] = memory[i].at[0];
+		p[1] = memory[i].at[1];
+		p[2] = memory[i].at[2];
+		hull->place[memory[i].vertex] = i;
+		const lw_vec3 v = lwi_sub( lwi_load( p ), lwi_load( hull->points ) );
+		sum = lwi_add( sum, v );
+		hull->reach = fmax( hull->reach, lwi_length( v ) );
+	}
+	hull->mean = lwi_scale( 1.0 / mesh->vertex_count, sum );
 }
 
 /// What the hull exceeds the surface by behind a triangle, relative to the radius; INFINITY if c is not well behind it.
@@ -114,68 +175,86 @@ static void find_starts( const lw_shape* mesh, lwi_convex_mesh* hull )
 	for ( uint32_t cell = 0; cell < 27; ++cell )
 	{
 		const lw_vec3 n = { (double)( cell / 9 ) - 1, (double)( cell / 3 % 3 ) - 1, (double)( cell % 3 ) - 1 };
+		uint32_t best = 0;
 		for ( uint32_t i = 1; i < mesh->vertex_count; ++i )
 		{
-			hull->start[cell] =
-				lwi_dot( n, lwi_sub( vertex( mesh, i ), vertex( mesh, hull->start[cell] ) ) ) > 0 ? i : hull->start[cell];
+			const lw_vec3 v = lwi_load( hull->points + 3 * (size_t)i ), most = lwi_load( hull->points + 3 * (size_t)best );
+			best = lwi_dot( n, lwi_sub( v, most ) ) > 0 ? i : best;
 		}
+		hull->start[cell] = best;
 	}
 }
 
-/// Fills `reach`, `mean` and `excess`. True if no triangle says that the mesh is not convex.
-static bool measure( const lw_shape* mesh, lwi_convex_mesh* hull )
+/// The middle of the vertices. @param radius their largest distance from it
+static lw_vec3 middle_of( const lw_shape* mesh, double* radius )
 {
 	const lw_vec3 first = vertex( mesh, 0 );
 	lw_vec3 sum = { 0, 0, 0 };
 	for ( uint32_t i = 1; i < mesh->vertex_count; ++i )
 	{
-		const lw_vec3 v = lwi_sub( vertex( mesh, i ), first );
-		sum = lwi_add( sum, v );
-		hull->reach = fmax( hull->reach, lwi_length( v ) );
+		sum = lwi_add( sum, lwi_sub( vertex( mesh, i ), first ) );
 	}
-	hull->mean = lwi_scale( 1.0 / mesh->vertex_count, sum );
-	const lw_vec3 c = lwi_add( first, hull->mean );
-	double radius = 0, worst = 0;
+	const lw_vec3 c = lwi_add_scaled( first, 1.0 / mesh->vertex_count, sum );
+	*radius = 0;
 	for ( uint32_t i = 0; i < mesh->vertex_count; ++i )
 	{
-		radius = fmax( radius, lwi_distance( vertex( mesh, i ), c ) );
+		*radius = fmax( *radius, lwi_distance( vertex( mesh, i ), c ) );
 	}
+	return c;
+}
+
+/// True if no triangle says that the mesh is not convex.
+static bool seems_convex( const lw_shape* mesh, lw_vec3 c, double radius )
+{
+	double worst = 0;
 	for ( uint32_t i = 0; i < mesh->item_count && worst <= MOST_EXCESS; ++i )
 	{
 		worst = fmax( worst, excess_at( mesh, mesh->indices + 3 * (size_t)i, c, radius ) );
 	}
-	hull->excess = worst * radius;
 	return worst <= MOST_EXCESS;
 }
 
 lw_status lwi_shape_find_convexity( lw_shape* shape, lw_diag* diag )
 {
-	lwi_convex_mesh hull = { 0 };
 	// 2 V - 4 triangles: Euler's formula for a sphere
 	if ( shape->type != LW_SHAPE_MESH || shape->degenerate_count > 0 || shape->vertex_count > LWI_MOST_CONVEX_VERTICES ||
-		 shape->item_count + 4 != 2 * shape->vertex_count || !measure( shape, &hull ) )
+		 shape->item_count + 4 != 2 * shape->vertex_count )
+	{
+		return LW_OK;
+	}
+	double radius;
+	const lw_vec3 c = middle_of( shape, &radius );
+	if ( !seems_convex( shape, c, radius ) )
 	{
 		return LW_OK;
 	}
 	const size_t vertices = shape->vertex_count, edges = 3 * (size_t)shape->item_count;
-	hull.bytes = sizeof( hull ) + ( vertices + 1 + 2 * edges ) * sizeof( uint32_t );
-	lwi_convex_mesh* kept = lwi_alloc_zero( &shape->allocator, 1, hull.bytes );
-	if ( kept == NULL )
+	const size_t bytes =
+		sizeof( lwi_convex_mesh ) + 3 * vertices * sizeof( double ) + ( 2 * vertices + 1 + 2 * edges ) * sizeof( uint32_t );
+	lwi_convex_mesh* hull = lwi_alloc_zero( &shape->allocator, 1, bytes );
+	sorted* memory = lwi_alloc( &shape->allocator, vertices * sizeof( sorted ) );
+	bool closed = false;
+	if ( hull != NULL && memory != NULL )
 	{
-		return lwi_out_of_memory( diag, "a sphere tree" );
+		hull->bytes = bytes;
+		hull->points = (double*)( hull + 1 );
+		hull->first = (uint32_t*)( hull->points + 3 * vertices );
+		hull->neighbours = hull->first + vertices + 1;
+		hull->triangles = hull->neighbours + edges;
+		hull->place = hull->triangles + edges;
+		sort_points( shape, memory, hull );
+		closed = find_neighbours( shape, c, hull );
 	}
-	*kept = hull;
-	kept->first = (uint32_t*)( kept + 1 );
-	kept->neighbours = kept->first + vertices + 1;
-	kept->triangles = kept->neighbours + edges;
-	if ( !find_neighbours( shape, lwi_add( vertex( shape, 0 ), kept->mean ), kept ) )
+	const bool failed = hull == NULL || memory == NULL;
+	lwi_free( &shape->allocator, memory, vertices * sizeof( sorted ) );
+	if ( !closed )
 	{
-		lwi_free( &shape->allocator, kept, kept->bytes );
-		return LW_OK;
+		lwi_free( &shape->allocator, hull, bytes );
+		return failed ? lwi_out_of_memory( diag, "a sphere tree" ) : LW_OK;
 	}
-	find_starts( shape, kept );
-	shape->convex = kept;
-	shape->bytes += kept->bytes;
+	find_starts( shape, hull );
+	shape->convex = hull;
+	shape->bytes += bytes;
 	return LW_OK;
 }
 
@@ -197,19 +276,23 @@ static double outside( const lw_shape* mesh, uint32_t triangle, lw_vec3 point )
 /// Of the size of a triangle: a point that is no farther outside is on it.
 #define ON_TRIANGLE 1e-9
 
-uint32_t lwi_convex_mesh_triangle( const lw_shape* shape, lw_vec3 point, uint32_t vertex )
+uint32_t lwi_convex_mesh_triangle( const lw_shape* shape, lw_vec3 point, uint32_t near )
 {
 	const lwi_convex_mesh* mesh = shape->convex;
-	uint32_t best = 0;
+	uint32_t best = near;
 	double least = INFINITY;
-	for ( uint32_t i = mesh->first[vertex]; i < mesh->first[vertex + 1]; ++i )
+	for ( int k = 0; k < 3; ++k )
 	{
-		const double far = outside( shape, mesh->triangles[i], point );
-		best = far < least ? mesh->triangles[i] : best;
-		least = far < least ? far : least;
+		const uint32_t corner = mesh->place[shape->indices[3 * (size_t)near + (size_t)k]];
+		for ( uint32_t i = mesh->first[corner]; i < mesh->first[corner + 1]; ++i )
+		{
+			const double far = outside( shape, mesh->triangles[i], point );
+			best = far < least ? mesh->triangles[i] : best;
+			least = far < least ? far : least;
+		}
 	}
-	const double near = ON_TRIANGLE * mesh->reach;
-	for ( uint32_t i = 0; i < shape->item_count && least > near; ++i )
+	const double on = ON_TRIANGLE * mesh->reach;
+	for ( uint32_t i = 0; i < shape->item_count && least > on; ++i )
 	{
 		const double far = outside( shape, i, point );
 		best = far < least ? i : best;

@@ -70,17 +70,18 @@ typedef struct lwi_deferred
 	LWI_ATOMIC( lw_shape* ) made; ///< NULL until then; a reference
 } lwi_deferred;
 
-/// A mesh that is the surface of a convex body: of its vertices' hull, about the first vertex.
+/// A mesh that is the surface of a convex body. Its vertices are sorted, so that answers do not depend on the order of triangles.
 typedef struct lwi_convex_mesh
 {
-	double reach;         ///< of the vertices
-	lw_vec3 mean;         ///< of the vertices
-	double excess;        ///< metres: no point of the hull's boundary is farther from the surface
-	size_t bytes;         ///< of this and the arrays
+	double reach;         ///< of the vertices, about the first of them
+	lw_vec3 mean;         ///< of the vertices, about the first of them
+	double* points;       ///< [vertex_count][3] sorted
 	uint32_t* first;      ///< [vertex_count + 1] where a vertex' neighbours begin, the end last
-	uint32_t* neighbours; ///< along edges
-	uint32_t* triangles;  ///< of these edges, seen from outside on their left
+	uint32_t* neighbours; ///< along edges, ascending
+	uint32_t* triangles;  ///< of these edges, on one side
+	uint32_t* place;      ///< [vertex_count] of the mesh's vertices among the points
 	uint32_t start[27];   ///< a vertex that is far along the directions of each cell of lwi_direction_cell()
+	size_t bytes;         ///< of this and the arrays
 } lwi_convex_mesh;
 
 /// The 27 cells of directions: in each coordinate well below, near or well above 0.
@@ -258,9 +259,9 @@ void lwi_shape_free_extreme_points( lw_shape* shape ); ///< and its pieces
 /// @return LW_OK, also for other meshes, or LW_ERROR_OUT_OF_MEMORY
 lw_status lwi_shape_find_convexity( lw_shape* shape, lw_diag* diag );
 
-/// A triangle of a convex mesh that a point of its surface is on, to rounding. Cost: of the triangles at `vertex`, if it is on one of
-/// these, else O(triangles).
-uint32_t lwi_convex_mesh_triangle( const lw_shape* shape, lw_vec3 point, uint32_t vertex );
+/// A triangle of a convex mesh that a point of its surface is on, to rounding. Cost: of the triangles around `near`, if it is on one
+/// of these, else O(triangles).
+uint32_t lwi_convex_mesh_triangle( const lw_shape* shape, lw_vec3 point, uint32_t near );
 
 /// All steps, for a shape whose vertices, indices, radii and counts are set.
 lw_status lwi_shape_build( lw_shape* shape, const lw_tree_def* def, lw_diag* diag );
