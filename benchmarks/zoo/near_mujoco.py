@@ -4,7 +4,7 @@
 
     PYTHONPATH=build/python build/zoo/venv/bin/python benchmarks/zoo/near_mujoco.py [--states N] [--distance D] [--seed S] MODEL.xml...
 
-States are 1 mrad apart along a random line through the model's first state. Times are medians in microseconds: leeway's of a batch of all
+States are 1 mrad apart along a random line through the model's first state. Times are medians in microseconds of one thread: leeway's of a batch of all
 states with derivatives, MuJoCo's of one bounded call for each pair of geoms that may collide, distances and points alone, Python's part of
 a call included. The least distance of each pair of bodies is compared. Exit status 1: two differ by more than 1e-6 m."""
 import argparse
@@ -78,7 +78,7 @@ def compare(file, count, distance, seed):
     times = []
     for _ in range(5):
         before = time.perf_counter()
-        near = checker.near(states, distance)
+        near = checker.near(states, distance, threads=1)
         times.append((time.perf_counter() - before) / count)
     geoms = colliding_geoms(model)
     planes = model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE  # obstacles of their own name

@@ -214,15 +214,16 @@ void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* 
 {
 	a = lwi_shape_now( a );
 	b = lwi_shape_now( b );
-	if ( a->convex != NULL || b->convex != NULL )
+	const bool a_counts = a->primitive || item_a < a->item_count, b_counts = b->primitive || item_b < b->item_count;
+	if ( memory->def.planes && ( a->convex != NULL || b->convex != NULL || ( a_counts && b_counts ) ) )
 	{
 		lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
 		if ( lwi_search_convex( &s ) )
 		{
-			return; // costs as much as two triangles
+			return; // as a search has it, at the cost of two triangles
 		}
 	}
-	if ( ( a->primitive || item_a < a->item_count ) && ( b->primitive || item_b < b->item_count ) )
+	if ( a_counts && b_counts )
 	{
 		lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
 		lwi_measure_items( &s, item_a, item_b );
