@@ -238,7 +238,7 @@ lw_status lwi_shape_find_convexity( lw_shape* shape, lw_diag* diag )
 	{
 		hull->bytes = bytes;
 		hull->points = (double*)( hull + 1 );
-		hull->first = (uint32_t*)( hull->points + 3 * vertices );
+		hull->first = (uint32_t*)(void*)( hull->points + 3 * vertices );
 		hull->neighbours = hull->first + vertices + 1;
 		hull->triangles = hull->neighbours + edges;
 		hull->place = hull->triangles + edges;
