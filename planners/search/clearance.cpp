@@ -644,7 +644,7 @@ private:
 	Path& m_path;
 	ClearanceReport& m_report;
 	const double m_goal;
-	std::array<double, kinds> m_cap{}; ///< of each kind: no more is asked for
+	std::array<double, kinds> m_cap{}; ///< metres, of each kind: larger clearances gain nothing
 	double m_target = 0, m_spacing = 1, m_first_score = 0, m_best_score = 0;
 	Band m_band, m_best;
 	LowPlace m_low[kinds];

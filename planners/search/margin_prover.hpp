@@ -230,7 +230,8 @@ private:
 	static constexpr unsigned trusted = 2, most_failures = 12;
 	static constexpr double least_slack = 5e-5; ///< metres: a finer one takes tens of states
 	static constexpr double more = 1 + 1e-9;    ///< proved / reported: unwrap() rounds angles
-	static constexpr double likely = 2; ///< ends with more than twice of the bound: the edge is looked at by its proof alone
+	static constexpr double likely =
+	    2; ///< times the bound: an edge between ends that are farther gets its proof, and no states
 
 	/// A few states inside of an edge: a failed proof takes as long as tens of them.
 	void look( Band::Edge& edge, const double* a, const double* b )

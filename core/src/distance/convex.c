@@ -208,7 +208,7 @@ static bool gjk( lwi_pair* pair, double width, double stop_above, double stop_be
 		// The plane through the support point normal to v has all of a - b behind it.
 		vec_d next = add_support( pair, v, climb, simplex );
 		double gap = gap_of( v, next ) - rounding;
-		if ( climb ) // a gap that would end the search is looked at with all vertices, others prove nothing
+		if ( climb ) // a gap that would end the search is computed again from all vertices; until then no gap counts
 		{
 			lwi_bounds hoped = *bounds;
 			hoped.lower = gap > hoped.lower ? gap : hoped.lower;

@@ -145,7 +145,7 @@ static void sort_points( const lw_shape* mesh, sorted* memory, lwi_convex_mesh* 
 	hull->mean = lwi_scale( 1.0 / mesh->vertex_count, sum );
 }
 
-/// What the hull exceeds the surface by behind a triangle, relative to the radius; INFINITY if c is not well behind it.
+/// How far the hull may exceed the surface behind a triangle, relative to the radius; INFINITY if c is not well behind it.
 static double excess_at( const lw_shape* mesh, const uint32_t* t, lw_vec3 c, double radius )
 {
 	lw_vec3 o;

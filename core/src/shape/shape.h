@@ -255,7 +255,7 @@ lw_status lwi_shape_find_extreme_points( lw_shape* shape, lw_diag* diag );
 
 void lwi_shape_free_extreme_points( lw_shape* shape ); ///< and its pieces
 
-/// Fills `hull` of a mesh that is convex. Cost: O(vertices triangles), of meshes that are closed and of few vertices.
+/// Fills `convex` of a mesh that is convex. Cost: O(vertices triangles), of meshes that are closed and of few vertices.
 /// @return LW_OK, also for other meshes, or LW_ERROR_OUT_OF_MEMORY
 lw_status lwi_shape_find_convexity( lw_shape* shape, lw_diag* diag );
 
