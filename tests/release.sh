@@ -3,9 +3,10 @@
 # Runs before a release; too long, or with too many needs, for tests/run.sh, which comes first. Root is needed for the bare system. Each stage runs
 # although one before it failed; the last lines list all stages with their seconds, for core/docs/release.md.
 #
-#   release.sh [STAGE ...]        stages: hostile arm64 python-arm64 python-threads colcon packages wheels ompl (default: all)
+#   release.sh [STAGE ...]        stages: long fuzz hostile arm64 python-arm64 python-threads colcon packages wheels ompl (default: all)
 #
-#
+#   long      tests labelled long, which take minutes each, in the folder build
+#   fuzz      every fuzz target for FUZZ_SECONDS (default 60)
 #   hostile   all hostile files of tests/bad_inputs, under its guard
 #   arm64     all tests of the core, emulated, and digests of answers against this machine's
 #   python-arm64    the Python module cross-compiled, its tests emulated, digests of answers against this machine's
@@ -18,7 +19,7 @@ set -uo pipefail
 cd "$( dirname "${BASH_SOURCE[0]}" )/.."
 exec </dev/null
 stages=( "$@" )
-[ "$#" -gt 0 ] || stages=( hostile arm64 python-arm64 python-threads colcon packages wheels ompl )
+[ "$#" -gt 0 ] || stages=( long fuzz hostile arm64 python-arm64 python-threads colcon packages wheels ompl )
 rows=() failed=0
 
 run()
@@ -35,6 +36,14 @@ answers()
 	local options=()
 	[ -e build/CMakeCache.txt ] || options=( -G Ninja -DCMAKE_BUILD_TYPE=Release )
 	cmake -S . -B build "${options[@]}" >/dev/null && cmake --build build --parallel "${JOBS:-$( nproc )}" --target print_answers
+}
+long()
+{
+	ctest --test-dir build --no-tests=error --output-on-failure --parallel "${JOBS:-$( nproc )}" --timeout 900 --label-regex long
+}
+fuzz()
+{
+	JOBS=${JOBS:-$( nproc )} tests/fuzz/run.sh "${FUZZ_SECONDS:-60}"
 }
 hostile()
 {
@@ -93,11 +102,11 @@ ompl()
 .ci/install.sh core bridge tests arm64 packages python release || exit 1
 for stage in "${stages[@]}"; do
 	case "$stage" in
-	hostile | arm64 | packages | wheels | ompl) run "$stage" "$stage" ;;
+	long | fuzz | hostile | arm64 | packages | wheels | ompl) run "$stage" "$stage" ;;
 	python-arm64 | python-threads) run "$stage" "${stage//-/_}" ;;
 	colcon) run colcon tests/packages/try_colcon.sh ;;
 	*)
-		echo "$0: there is no stage $stage; stages are hostile, arm64, python-arm64, python-threads, colcon, packages, wheels, ompl" >&2
+		echo "$0: there is no stage $stage; stages are long, fuzz, hostile, arm64, python-arm64, python-threads, colcon, packages, wheels, ompl" >&2
 		exit 2
 		;;
 	esac

@@ -4,12 +4,11 @@
 #
 #   1. build-asan: the tests under the address and undefined-behaviour sanitizers, but for the long ground-truth sweeps
 #   2. build-tsan: the tests that start threads, under the thread sanitizer
-#   3. build-fuzz: by clang, warnings are errors; every fuzz target for FUZZ_SECONDS (default 8, three minutes of processor time in
-#                  all; 0 leaves the stage out). Longer runs are listed in tests/fuzz/README.md
-#   4. build:      release, warnings are errors; cppcheck over all sources; query tests at lower SIMD levels; kernels and answers on an emulated
-#                  64-bit ARM (build-arm64); last, all tests
+#   3. build:      release, warnings are errors; cppcheck over all sources; query tests at lower SIMD levels; kernels and answers on an emulated
+#                  64-bit ARM (build-arm64); last, all tests but those labelled long
 #
-# Longer runs before a release are tests/release.sh: packages, all of the core's tests on 64-bit ARM, other versions of OMPL.
+# Longer runs before a release are tests/release.sh: fuzzers (their corpora are replayed here, under the sanitizers), tests labelled long, packages,
+# all of the core's tests on 64-bit ARM, other versions of OMPL.
 # clang-tidy, and a build of all of it by clang with its tests, are tests/lint.sh: another fifteen minutes, which are more
 # than CI has.
 #
@@ -87,15 +86,13 @@ run_tests()
 	"${runner[@]}" ctest --test-dir "$folder" --no-tests=error --output-on-failure --parallel "$jobs" --timeout 900 "$@"
 }
 
-# The test programs of the folders in which a threaded test is.
+# threaded_targets FOLDER: the test programs in which a threaded test is, as the build in this folder compiles them
 threaded_targets()
 {
-	local folder
-	for folder in tests/*/; do
-		if grep -rqsE --include="*.cpp" "^TEST(_F|_P)?\(.*$threaded_tests" "$folder"; then
-			sed -nE 's/^ *add_executable\( *([A-Za-z_0-9]+).*/\1/p' "$folder/CMakeLists.txt"
-		fi
-	done
+	local file
+	while read -r file; do
+		sed -nE "s,.* -o tests/.*CMakeFiles/([^/]+)\\.dir/.* -c [^ ]*/$file\".*,\\1,p" "$1/compile_commands.json"
+	done < <( grep -rlsE --include="*.cpp" "^TEST(_F|_P)?\(.*$threaded_tests" tests ) | sort -u
 }
 
 # at_levels LEVELS: the query tests with SIMD kernels of at most these levels, all at once
@@ -167,29 +164,12 @@ fi
 printf '%s\n' called_from_lib:libassimp race:ompl::base::CForestStateSampler >"$scratch/races"
 runner+=( env TSAN_OPTIONS="suppressions=$scratch/races" )
 if sanitizer_works thread "${runner[@]}"; then
-	mapfile -t targets < <( threaded_targets )
 	stage "thread: configure" configure_sanitized build-tsan thread
+	mapfile -t targets < <( threaded_targets build-tsan )
 	stage "thread: build ${targets[*]}" build build-tsan "${targets[@]}"
 	stage "thread: test" run_tests build-tsan --tests-regex "$threaded_tests"
 else
 	notes+=( "the thread sanitizer does not work on this machine, not even without address randomisation: stage left out" )
-fi
-
-runner=( env )
-if [ "${FUZZ_SECONDS:-8}" -eq 0 ]; then
-	notes+=( "FUZZ_SECONDS=0: nothing was fuzzed" )
-elif ! printf 'int LLVMFuzzerTestOneInput( const char* d, unsigned long n ); int LLVMFuzzerTestOneInput( const char* d, unsigned long n ) { return d == 0 && n > 0; }\n' |
-	clang -x c -fsanitize=fuzzer,address - -o "$scratch/fuzz" || ! "$scratch/fuzz" -runs=1 >/dev/null 2>&1; then
-	notes+=( "clang's fuzzer does not work on this machine: stage left out" )
-else
-	# SDF files are read by libsdformat, which is built without the fuzzer and the sanitizers
-	stage "fuzz: configure" configure build-fuzz -DLEEWAY_BUILD_FUZZERS=ON -DLEEWAY_SDF=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo \
-		-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_C_FLAGS_RELWITHDEBINFO="-O1 -g1" \
-		-DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" -DLEEWAY_BUILD_BENCHMARKS=OFF -DLEEWAY_BUILD_EXAMPLES=OFF -DLEEWAY_BUILD_VIEW=OFF \
-		-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST
-	stage "fuzz: build" build build-fuzz fuzzers
-	# The seed is fixed, so that a change that breaks nothing is not blamed for the finds of another day.
-	stage "fuzz: each target for ${FUZZ_SECONDS:-8} s" env JOBS="$jobs" SEED=1 tests/fuzz/run.sh "${FUZZ_SECONDS:-8}"
 fi
 
 stage "release: configure" configure build -DCMAKE_BUILD_TYPE=Release -DLEEWAY_BUILD_PYTHON=ON -DLEEWAY_BUILD_VIEW=ON \
@@ -204,4 +184,4 @@ for note in ${notes[@]+"${notes[@]}"}; do
 	heading "note: $note"
 done
 runner=( env )
-stage "release: all tests" run_tests build
+stage "release: all tests" run_tests build --label-exclude long
