@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway check: the clearances of a table of states.
+#include "leeway/depth.h"
 #include "leeway/prepare.hpp"
 #include "motions/csv.hpp"
 #include "motions/names.hpp"
@@ -28,8 +29,8 @@ struct Counts
 class NearTable
 {
 public:
-	/// @param distance metres, > 0: pairs below it get a line @param derivatives a column for each variable of the group
-	NearTable( const Workbench& bench, lw_check_flags flags, double distance, bool derivatives );
+	/// @param options near, derivatives, depth
+	NearTable( const Workbench& bench, lw_check_flags flags, const CheckOptions& options );
 
 	/// The header, with its end of line.
 	std::string header() const;
@@ -50,11 +51,12 @@ private:
 	std::size_t m_pairs = 0;
 };
 
-NearTable::NearTable( const Workbench& bench, lw_check_flags flags, double distance, bool derivatives )
-    : m_bench( bench ), m_derivatives( derivatives ), m_rows( 64 )
+NearTable::NearTable( const Workbench& bench, lw_check_flags flags, const CheckOptions& options )
+    : m_bench( bench ), m_derivatives( options.derivatives ), m_rows( 64 )
 {
 	m_def.flags = flags;
-	m_def.distance = distance;
+	m_def.distance = options.near;
+	m_def.depth_steps = options.depth ? lw_depth_def_default().steps : 0;
 	m_def.tie_width = 1e-9;
 }
 
@@ -162,7 +164,7 @@ int runCheck( const CheckOptions& options )
 	std::optional<NearTable> near;
 	if ( options.near > 0 )
 	{
-		near.emplace( bench, flags, options.near, options.derivatives );
+		near.emplace( bench, flags, options );
 	}
 	out.text = near ? near->header() : fmt::format( "index,verdict,{},microseconds\n", clearanceHeader( margins ) );
 	Counts counts;

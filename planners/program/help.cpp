@@ -131,7 +131,7 @@ Example: leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --gr
 states.csv: a header of joint names, then one state per line.
 out.csv: index,verdict,env_lower,env_upper,env_link,env_object,self_lower,self_upper,self_link1,self_link2,microseconds
 With --near D: all pairs of bodies below D metres, nearest first, with points, direction and
-(--derivatives) the change by each joint.)",
+(--derivatives) the change by each joint. With --depth, lower and upper of pairs in contact are below 0.)",
     R"(states.csv: "-" reads standard input. A planar joint has the columns <joint>/x, /y and /theta; a floating joint
 <joint>/trans_x, /trans_y, /trans_z, /rot_x, /rot_y, /rot_z and /rot_w. Joints without a column keep the value of the
 request's start state, else 0, with a notice. Columns of joints outside --group are used; other unknown columns are

@@ -123,6 +123,10 @@ CLI::App* addCheck( CLI::App& app, CheckOptions& options )
 	command
 	    ->add_flag( "--derivatives", options.derivatives, "with --near: columns d:JOINT, of each clearance by each joint" )
 	    ->needs( near );
+	command
+	    ->add_flag(
+	        "--depth", options.depth, "with --near: clearances of pairs in contact are minus their penetration depth" )
+	    ->needs( near );
 	command->add_option( "--out", options.out, "table of answers; without it, standard output" )->type_name( "out.csv" );
 	return command;
 }

@@ -106,7 +106,7 @@ struct CheckOptions
 	CommonOptions common;
 	std::string states, out;
 	double near = 0; ///< metres; 0: not asked
-	bool derivatives = false;
+	bool derivatives = false, depth = false;
 };
 
 struct EdgeCommandOptions

@@ -59,7 +59,7 @@ else()
     file(GLOB headers CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/core/src/*/*.h" "${CMAKE_SOURCE_DIR}/core/include/leeway/*.h")
     # An object for each room: after a change of one file only its room is compiled again
     set(objects "")
-    foreach(room base simd shape distance robot scene query reachability checker near motion blob)
+    foreach(room base simd shape distance depth robot scene query reachability checker near motion blob)
       file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/core/src/${room}/*.c")
       set(object "${CMAKE_CURRENT_BINARY_DIR}/view/${room}.o")
       add_custom_command(OUTPUT "${object}" COMMAND "${LEEWAY_EMCC}" -r ${flags} ${sources} -o "${object}" DEPENDS ${sources} ${headers}

@@ -37,6 +37,7 @@ HOUSES = [
         ("robot", "joints, kinematics, bounds of motion"),
         ("scene", "obstacles, snapshots, edits"),
         ("query", "the memory of one thread"),
+        ("depth", "how deep two bodies are in each other"),
         ("reachability", "motion hulls, proofs and tables of pairs, clearance grids"),
         ("checker", "one group of one robot in one scene: states"),
         ("motion", "are all states of an edge free?"),

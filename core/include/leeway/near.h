@@ -10,8 +10,9 @@ LW_EXTERN_C_BEGIN
 /// The direction between the nearest points of a pair.
 typedef enum lw_direction
 {
-	LW_DIRECTION_NONE = 0,   ///< the bodies touch: no direction, `normal` and derivatives are 0
-	LW_DIRECTION_UNIQUE = 1, ///< of the nearest points; with tie_width > 0 no others are as near
+	LW_DIRECTION_NONE = 0, ///< the bodies touch, without a depth: no direction, `normal` and derivatives are 0
+	LW_DIRECTION_UNIQUE =
+		1, ///< of the nearest points; with tie_width > 0 no others are as near, or no other way out as short
 	/// Other points are as near, such as of faces that are parallel: the clearance has a ridge there. The derivatives are those of
 	/// one of these pairs of points, a subgradient: motions along them that part it may leave another as near.
 	LW_DIRECTION_TIED = 2
@@ -21,9 +22,10 @@ typedef enum lw_direction
 typedef struct lw_near_pair
 {
 	/// a = link, b = object, or link if `self`. NEAR: the surfaces are apart, [lower, upper] is certified. VIOLATION: they touch,
-	/// upper is minus the margin. UNDECIDED: their distance is below rounding.
+	/// upper is minus the margin; with a depth [lower, upper] is minus the certified depth and the margin, and the points are the
+	/// deepest of each body. UNDECIDED: their distance is below rounding.
 	lw_clearance clearance;
-	lw_vec3 normal;  ///< unit, world: from point_b to point_a, the way in which a leaves b
+	lw_vec3 normal;  ///< unit, world: from point_b to point_a, in contact the other way: that in which a leaves b
 	uint32_t body_a; ///< robot body, of link clearance.a
 	uint32_t body_b; ///< shape of the scene, of object clearance.b; robot body if `self`
 	bool self;
@@ -36,8 +38,11 @@ typedef struct lw_near_def
 	double distance; ///< metres, > 0, may be INFINITY: pairs whose clearance is below it; 0.05
 	double alpha;    ///< relative tolerance of each interval, [0, 1); 0
 	/// Metres, >= 0: nearest points are looked for that are farther by no more than this, and tell TIED from UNIQUE. Takes a second
-	/// search for each pair. 0: TIED is never said.
+	/// search for each pair. 0: TIED is never said. In contact: ways out in other directions that are longer by no more than this, or
+	/// not proved to be.
 	double tie_width;
+	/// Steps of lw_depth_def for each pair in contact that has a depth; 0: no depths.
+	uint32_t depth_steps;
 	/// [capacity][lw_checker_variable_count()] derivatives of each pair's clearance by the variables of the group: metres per radian
 	/// or metre; of a quaternion's four numbers as they are, of any length. Rows as those of the pairs. Nullable.
 	double* derivatives;

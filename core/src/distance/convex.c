@@ -318,20 +318,25 @@ static double width_of( const lwi_pair* pair )
 							  : LWI_CONVEX_WIDTH_POLYTOPE * pair->extent;
 }
 
+lw_vec3 lwi_convex_pair( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b, lwi_pair* pair )
+{
+	lw_vec3 origin_a = make_piece( a, &pair->a );
+	lw_vec3 origin_b = make_piece( b, &pair->b );
+	pair->place = *a_from_b;
+	lw_vec3 offset = reference_offset( a_from_b, origin_a, origin_b, pair->a.radius + pair->b.radius );
+	pair->place.t[0] = offset.x;
+	pair->place.t[1] = offset.y;
+	pair->place.t[2] = offset.z;
+	pair->extent = pair->a.radius + pair->b.radius + lwi_length( offset );
+	return origin_a;
+}
+
 lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b,
 	double stop_above, double stop_below )
 {
 	lwi_pair pair;
-	lw_vec3 origin_a = make_piece( a, &pair.a );
-	lw_vec3 origin_b = make_piece( b, &pair.b );
-	pair.place = *a_from_b;
-	lw_vec3 offset = reference_offset( a_from_b, origin_a, origin_b, pair.a.radius + pair.b.radius );
-	pair.place.t[0] = offset.x;
-	pair.place.t[1] = offset.y;
-	pair.place.t[2] = offset.z;
-	pair.extent = pair.a.radius + pair.b.radius + lwi_length( offset );
-
-	lwi_bounds bounds = { -INFINITY, INFINITY, { 0.0, 0.0, 0.0 }, offset, 0 };
+	const lw_vec3 origin_a = lwi_convex_pair( a, b, a_from_b, &pair );
+	lwi_bounds bounds = { -INFINITY, INFINITY, { 0.0, 0.0, 0.0 }, lwi_load( pair.place.t ), 0 };
 	bool triangle_a = a->type == LWI_CONVEX_TRIANGLE, triangle_b = b->type == LWI_CONVEX_TRIANGLE;
 	if ( triangle_a && triangle_b )
 	{

@@ -5,8 +5,7 @@
 // touch, the surfaces may still be apart, one inside of the other; the search of the trees tells. Proof: core/docs/convex_meshes.md.
 #include "distance/pair_query.h"
 
-/// A shape as one convex piece without its dilation. False if it is none.
-static bool piece_of( const lw_shape* shape, lwi_convex* out )
+bool lwi_convex_of_shape( const lw_shape* shape, lwi_convex* out )
 {
 	if ( shape->family == LWI_CONVEX )
 	{
@@ -64,7 +63,7 @@ bool lwi_search_convex( lwi_searching* s )
 	lwi_convex piece_a, piece_b;
 	// two items, or primitives, are one measurement anyway
 	const bool tree = a->convex != NULL || b->convex != NULL || a->primitive != b->primitive;
-	if ( !tree || !piece_of( a, &piece_a ) || !piece_of( b, &piece_b ) )
+	if ( !tree || !lwi_convex_of_shape( a, &piece_a ) || !lwi_convex_of_shape( b, &piece_b ) )
 	{
 		return false;
 	}

@@ -30,6 +30,9 @@ typedef struct lwi_pair
 	double extent;      ///< a.radius + b.radius + |t|
 } lwi_pair;
 
+/// The pieces as a pair. Returns a's reference point, which all points of the pair are relative to.
+lw_vec3 lwi_convex_pair( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b, lwi_pair* pair );
+
 /// Points of the pieces whose differences a - (r b + t) span the simplex, in the pieces' own axes.
 typedef struct lwi_simplex
 {

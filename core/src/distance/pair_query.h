@@ -255,6 +255,9 @@ void lwi_offer_items( lwi_searching* s, double lower, double upper, lw_vec3 poin
 
 // --- distance/convex_bodies.c ------------------------------------------------------------------------------------------------
 
+/// A shape as one convex piece without its dilation. False if it is none.
+bool lwi_convex_of_shape( const lw_shape* shape, lwi_convex* out );
+
 /// Measures two convex bodies, one of them a mesh, at once. False if they are none, or not proved to be apart.
 bool lwi_search_convex( lwi_searching* s );
 

@@ -4,6 +4,7 @@
 #include "near/near.h"
 #include "base/math_inline.h"
 #include "checker/pose.h"
+#include "depth/depth.h"
 #include "scene/scene.h"
 
 enum
@@ -131,15 +132,22 @@ static void lower( double* out, double value )
 /// Metres, relative to the size of both bodies: nearest points that are nearer to each other are the same.
 #define SAME_POINT 1e-7
 
+/// The shapes of a row, and their poses relative to each other.
+static lw_transform shapes_of( const near_search* s, const lw_near_pair* row, const lw_shape** a, const lw_shape** b )
+{
+	const lw_checker* c = s->checker;
+	*a = c->base->bodies[row->body_a].shape;
+	*b = row->self ? c->base->bodies[row->body_b].shape : c->scene->shapes[row->body_b].shape;
+	const lw_transform* pose_b =
+		row->self ? &s->query->pose.world_from_body[row->body_b] : &c->scene->shapes[row->body_b].world_from_shape;
+	return lwi_relative( &s->query->pose.world_from_body[row->body_a], pose_b );
+}
+
 /// Searches a pair again for other points that are as near.
 static bool is_tied( near_search* s, const lwi_bound* bound, const lw_near_pair* row, lw_vec3 normal )
 {
-	const lw_checker* c = s->checker;
-	const lw_shape *a = c->base->bodies[row->body_a].shape,
-				   *b = row->self ? c->base->bodies[row->body_b].shape : c->scene->shapes[row->body_b].shape;
-	const lw_transform* pose_b =
-		row->self ? &s->query->pose.world_from_body[row->body_b] : &c->scene->shapes[row->body_b].world_from_shape;
-	const lw_transform relative = lwi_relative( &s->query->pose.world_from_body[row->body_a], pose_b );
+	const lw_shape *a, *b;
+	const lw_transform relative = shapes_of( s, row, &a, &b );
 	const double distance = lwi_distance( bound->point_a, bound->point_b );
 	lwi_ties ties = { .width = s->def->tie_width,
 		.apart = SAME_POINT * fmin( a->sphere_radius, b->sphere_radius ),
@@ -151,6 +159,31 @@ static bool is_tied( near_search* s, const lwi_bound* bound, const lw_near_pair*
 	again.ties = &ties;
 	lwi_search( &s->query->search, a, b, &relative, &again );
 	return ties.found;
+}
+
+/// Gives a pair in contact its depth, if it has one.
+static void find_depth( near_search* s, const lwi_bound* bound, lw_near_pair* row )
+{
+	const lw_shape *a, *b;
+	const lw_transform relative = shapes_of( s, row, &a, &b );
+	lw_depth_def def = lw_depth_def_default();
+	def.steps = s->def->depth_steps;
+	lw_depth depth;
+	const bool only =
+		lwi_depth( &s->query->search, lwi_shape_now( a ), lwi_shape_now( b ), &relative, &def, s->def->tie_width, &depth );
+	if ( depth.kind != LW_DEPTH_OVERLAP )
+	{
+		return;
+	}
+	// poses are off, and margins add up as in lwi_bound_offer()
+	const double error = bound->rounding + bound->stretch * depth.upper + 0x1p-52 * ( bound->margin + depth.upper );
+	const lw_transform* pose = &s->query->pose.world_from_body[row->body_a];
+	row->clearance.lower = -depth.upper - bound->margin - error;
+	row->clearance.upper = fmin( -depth.lower + error, 0 ) - bound->margin;
+	row->clearance.point_a = lwi_transform( pose, depth.point_a );
+	row->clearance.point_b = lwi_transform( pose, depth.point_b );
+	row->normal = lwi_rotate( pose, depth.normal );
+	row->direction = s->def->tie_width > 0 && !only ? LW_DIRECTION_TIED : LW_DIRECTION_UNIQUE;
 }
 
 /// The row of a finished search, if its pair is near.
@@ -176,6 +209,10 @@ static void take( near_search* s, const lwi_bound* bound, lw_near_pair* row )
 		const bool tied = s->def->tie_width > 0 && is_tied( s, bound, row, normal );
 		row->direction = tied ? LW_DIRECTION_TIED : LW_DIRECTION_UNIQUE;
 		row->normal = lwi_rotate( pose, normal );
+	}
+	if ( row->clearance.kind == LW_CLEARANCE_VIOLATION && s->def->depth_steps > 0 )
+	{
+		find_depth( s, bound, row );
 	}
 	if ( s->def->link_clearance != NULL )
 	{

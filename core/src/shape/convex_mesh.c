@@ -203,15 +203,15 @@ static lw_vec3 middle_of( const lw_shape* mesh, double* radius )
 	return c;
 }
 
-/// True if no triangle says that the mesh is not convex.
-static bool seems_convex( const lw_shape* mesh, lw_vec3 c, double radius )
+/// How far the hull may exceed the surface, relative to the radius; more than MOST_EXCESS if a triangle says that the mesh is not convex.
+static double excess_of( const lw_shape* mesh, lw_vec3 c, double radius )
 {
 	double worst = 0;
 	for ( uint32_t i = 0; i < mesh->item_count && worst <= MOST_EXCESS; ++i )
 	{
 		worst = fmax( worst, excess_at( mesh, mesh->indices + 3 * (size_t)i, c, radius ) );
 	}
-	return worst <= MOST_EXCESS;
+	return worst;
 }
 
 lw_status lwi_shape_find_convexity( lw_shape* shape, lw_diag* diag )
@@ -224,7 +224,8 @@ lw_status lwi_shape_find_convexity( lw_shape* shape, lw_diag* diag )
 	}
 	double radius;
 	const lw_vec3 c = middle_of( shape, &radius );
-	if ( !seems_convex( shape, c, radius ) )
+	const double excess = excess_of( shape, c, radius );
+	if ( excess > MOST_EXCESS )
 	{
 		return LW_OK;
 	}
@@ -237,6 +238,7 @@ lw_status lwi_shape_find_convexity( lw_shape* shape, lw_diag* diag )
 	if ( hull != NULL && memory != NULL )
 	{
 		hull->bytes = bytes;
+		hull->excess = excess * radius;
 		hull->points = (double*)( hull + 1 );
 		hull->first = (uint32_t*)(void*)( hull->points + 3 * vertices );
 		hull->neighbours = hull->first + vertices + 1;

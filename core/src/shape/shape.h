@@ -74,6 +74,7 @@ typedef struct lwi_deferred
 typedef struct lwi_convex_mesh
 {
 	double reach;         ///< of the vertices, about the first of them
+	double excess;        ///< metres: the hull's boundary is no farther from the surface
 	lw_vec3 mean;         ///< of the vertices, about the first of them
 	double* points;       ///< [vertex_count][3] sorted
 	uint32_t* first;      ///< [vertex_count + 1] where a vertex' neighbours begin, the end last

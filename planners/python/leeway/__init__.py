@@ -11,10 +11,10 @@ Units are metres and radians. Batches run without the interpreter's lock; thread
 answer. Unusable input raises leeway.Error, which is a ValueError; an error never reads as free.
 """
 from ._core import (Checker, CoreError, Error, InputError, Margins, Outcome, Padding, Reach, Robot, Scene, Shape, Verdict, World,
-    check_spheres, distance, pairs)
+    check_spheres, depth, distance, pairs)
 from ._core import version as __version__
-from .results import Clearances, Direction, Distance, GoalStates, LinkSpheres, Motions, NearPairs, Plan
+from .results import Clearances, Depth, DepthKind, Direction, Distance, GoalStates, LinkSpheres, Motions, NearPairs, Plan
 
-__all__ = ["Checker", "Clearances", "CoreError", "Direction", "Distance", "Error", "GoalStates", "InputError", "LinkSpheres", "Margins", "Motions", "NearPairs", "Outcome",
+__all__ = ["Checker", "Clearances", "CoreError", "Depth", "DepthKind", "Direction", "Distance", "Error", "GoalStates", "InputError", "LinkSpheres", "Margins", "Motions", "NearPairs", "Outcome",
     "Padding", "Plan", "Reach", "Robot", "Scene", "Shape", "Verdict", "World", "__version__", "check_spheres",
-    "distance", "pairs"]
+    "depth", "distance", "pairs"]

@@ -24,6 +24,27 @@ class Distance(NamedTuple):
         return f"Distance({self.lower:.6g} <= distance <= {self.upper:.6g} m)"
 
 
+class DepthKind(enum.IntEnum):
+    """The outcome of depth()."""
+    APART = 1  #: neither body meets the inside of the other: [0, 0]
+    OVERLAP = 2  #: lower <= depth <= upper
+    NO_INSIDE = 3  #: neither body has an inside, as surfaces that are not solid
+
+
+class Depth(NamedTuple):
+    """Penetration depth of two shapes."""
+    kind: int  #: DepthKind
+    lower: float  #: proved: every way out is at least this long
+    upper: float  #: a translation of the first shape by upper * normal takes it out; inf if there is none
+    normal: Array  #: float64 [3]: unit, world, the way out of the first shape
+    witnesses: Array  #: float64 [2, 3]: the deepest point of each shape, in the world
+
+    def __repr__(self) -> str:
+        if self.kind != DepthKind.OVERLAP:
+            return f"Depth({DepthKind(self.kind).name})"
+        return f"Depth({self.lower:.6g} <= depth <= {self.upper:.6g} m)"
+
+
 class Clearances(NamedTuple):
     """Clearances of states. For one state the arrays have no first axis."""
     lower: Array  #: float64 [n]: proved, every clearance of the state is at least this
@@ -40,8 +61,8 @@ class Clearances(NamedTuple):
 
 class Direction(enum.IntEnum):
     """The direction between the nearest points of a pair."""
-    NONE = 0  #: the bodies touch: normal and derivatives are 0
-    UNIQUE = 1  #: with a tie_width, no other points are as near
+    NONE = 0  #: the bodies touch, and have no depth: normal and derivatives are 0
+    UNIQUE = 1  #: with a tie_width, no other points are as near, or no other way out as short
     TIED = 2  #: other points are as near, such as of parallel faces: the derivatives are a subgradient
 
 
@@ -50,9 +71,9 @@ class NearPairs(NamedTuple):
     offsets: Array  #: int64 [n + 1]: rows of state i are offsets[i] to offsets[i + 1]
     pairs: Array  #: int32 [m, 2]: indices into Checker.names: a link, and a link or an object
     lower: Array  #: float64 [m]: proved, the pair's clearance is at least this
-    upper: Array  #: float64 [m]: the clearance of the witnesses
-    normals: Array  #: float64 [m, 3]: unit, world, from the second body to the first one: the way out
-    witnesses: Array  #: float64 [m, 2, 3]: the nearest point of each body, in the world
+    upper: Array  #: float64 [m]: the clearance of the witnesses; with depth, below 0 in contact
+    normals: Array  #: float64 [m, 3]: unit, world: the way out of the first body, apart from the second body to the first
+    witnesses: Array  #: float64 [m, 2, 3]: the nearest point of each body, in contact the deepest, in the world
     directions: Array  #: uint8 [m]: Direction
     derivatives: Array | None  #: float64 [m, dof]: of the clearance by each variable; None if not wanted
     bodies: Array  #: int32 [m, 2]: robot body; body or scene shape

@@ -103,6 +103,14 @@ template <typename T> nb::object viewOf( const T* data, std::initializer_list<st
 /// The 4 x 4 matrix of a transform.
 nb::object poseArray( const lw_transform& transform );
 
+/// Three numbers of a result.
+inline void write( double* out, lw_vec3 v )
+{
+	out[0] = v.x;
+	out[1] = v.y;
+	out[2] = v.z;
+}
+
 } // namespace leeway::python
 
 namespace nanobind::detail

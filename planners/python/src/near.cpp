@@ -2,6 +2,7 @@
 // Batches of near pairs and their derivatives: Checker.near() and Checker.point_jacobian().
 #include "objects.hpp"
 
+#include "leeway/depth.h"
 #include "leeway/near.h"
 
 #include <nanobind/stl/string.h>
@@ -71,13 +72,6 @@ struct Question
 	}
 };
 
-void write( double* out, lw_vec3 v )
-{
-	out[0] = v.x;
-	out[1] = v.y;
-	out[2] = v.z;
-}
-
 /// Columns of all rows of all states, one state after the other.
 nb::object columns(
     const PyChecker& checker, const std::vector<NearState>& states, bool derivatives, const nb::object& links )
@@ -120,7 +114,7 @@ nb::object columns(
 }
 
 nb::object near( const PyChecker& checker, const Doubles& q, double distance, const std::string& check, double alpha,
-    double tie_width, bool derivatives, const Whole& threads )
+    double tie_width, bool derivatives, bool depth, const Whole& threads )
 {
 	const Rows rows = rowsOf( q, checker.variables(), "q", "variables of the group" );
 	if ( !( distance > 0 ) || !( alpha >= 0 && alpha < 1 ) || !( tie_width >= 0 ) )
@@ -135,6 +129,7 @@ nb::object near( const PyChecker& checker, const Doubles& q, double distance, co
 	question.def.distance = distance;
 	question.def.alpha = alpha;
 	question.def.tie_width = tie_width;
+	question.def.depth_steps = depth ? lw_depth_def_default().steps : 0;
 	std::vector<NearState> states( rows.count );
 	inBlocks( *checker.queries, rows.count, block_of_states, threads.threads(),
 	    [&]( lw_query* query, std::size_t begin, std::size_t end )
@@ -177,14 +172,16 @@ nb::object pointJacobian( const PyChecker& checker, const Doubles& q, const std:
 void bindNear( nb::class_<PyChecker>& type )
 {
 	type.def( "near", &near, "q"_a, "distance"_a, nb::kw_only(), "check"_a = "both", "alpha"_a = 0.0, "tie_width"_a = 0.0,
-	    "derivatives"_a = true, "threads"_a.none() = 1,
-	    nb::sig( "def near(self, q: numpy.typing.ArrayLike, distance: float, *, check: str = 'both', alpha: float = 0.0, "
-	             "tie_width: float = 0.0, derivatives: bool = True, threads: int = 1) -> leeway.results.NearPairs" ),
+	    "derivatives"_a = true, "depth"_a = false, "threads"_a.none() = 1,
+	    nb::sig(
+	        "def near(self, q: numpy.typing.ArrayLike, distance: float, *, check: str = 'both', alpha: float = 0.0, "
+	        "tie_width: float = 0.0, derivatives: bool = True, depth: bool = False, threads: int = 1) -> leeway.results.NearPairs" ),
 	    "All pairs of each state whose clearance is below `distance` (metres, > 0, may be inf), nearest first: certified intervals,\n"
 	    "directions, and derivatives by the variables of the group.\n\n"
 	    "q: float64 [n, dof] or [dof]. check: \"both\", \"environment\" or \"self\". alpha: relative tolerance in [0, 1).\n"
 	    "tie_width: metres; above 0, pairs whose nearest points are not the only ones are marked, which takes a second search.\n"
-	    "Pairs of bodies that stand still and obstacles are left out. threads: 0 = one per core.\n\n"
+	    "depth: pairs in contact have a clearance below 0, minus their certified penetration depth, and a direction; bodies without an\n"
+	    "inside have none. Pairs of bodies that stand still and obstacles are left out. threads: 0 = one per core.\n\n"
 	    "Returns NearPairs: rows of all states behind each other; those of state i are offsets[i] to offsets[i + 1].\n"
 	    "Raises CoreError for a state that is not finite." );
 	type.def( "point_jacobian", &pointJacobian, "q"_a, "link"_a, "point"_a,

@@ -181,13 +181,19 @@ std::string shapeRepr( const Shape& shape )
 	return text + size;
 }
 
-nb::object shapeDistance( const Shape& a, const nb::object& pose_a, const Shape& b, const nb::object& pose_b )
+/// A query for pairs of shapes.
+Query anyQuery()
 {
-	const lw_transform world_from_a = poseOrIdentity( pose_a, "pose_a" ), world_from_b = poseOrIdentity( pose_b, "pose_b" );
 	lw_query* made = nullptr;
 	const lw_query_def def = lw_query_def_default();
 	require( lw_query_create( &def, nullptr, nullptr, nullptr, &made ), "lw_query_create" );
-	const Query query( made );
+	return Query( made );
+}
+
+nb::object shapeDistance( const Shape& a, const nb::object& pose_a, const Shape& b, const nb::object& pose_b )
+{
+	const lw_transform world_from_a = poseOrIdentity( pose_a, "pose_a" ), world_from_b = poseOrIdentity( pose_b, "pose_b" );
+	const Query query = anyQuery();
 	lw_clearance c{};
 	lw_status status = LW_OK;
 	{
@@ -196,9 +202,30 @@ nb::object shapeDistance( const Shape& a, const nb::object& pose_a, const Shape&
 	}
 	require( status, "leeway.distance" );
 	const NewArray<double> points( { 2, 3 } );
-	const double values[6] = { c.point_a.x, c.point_a.y, c.point_a.z, c.point_b.x, c.point_b.y, c.point_b.z };
-	std::copy( values, values + 6, points.data );
+	write( points.data, c.point_a );
+	write( points.data + 3, c.point_b );
 	return result( "Distance", nb::make_tuple( c.lower, c.upper, points.object ) );
+}
+
+nb::object shapeDepth(
+    const Shape& a, const nb::object& pose_a, const Shape& b, const nb::object& pose_b, const Whole& steps )
+{
+	const lw_transform world_from_a = poseOrIdentity( pose_a, "pose_a" ), world_from_b = poseOrIdentity( pose_b, "pose_b" );
+	lw_depth_def def = lw_depth_def_default();
+	def.steps = static_cast<std::uint32_t>( steps.in( "steps", 1, std::numeric_limits<std::uint32_t>::max() ) );
+	const Query query = anyQuery();
+	lw_depth d{};
+	lw_status status = LW_OK;
+	{
+		const nb::gil_scoped_release unlocked;
+		status = lw_shape_depth( a.get(), &world_from_a, b.get(), &world_from_b, &def, query.get(), &d );
+	}
+	require( status, "leeway.depth" );
+	const NewArray<double> normal( { 3 } ), points( { 2, 3 } );
+	write( normal.data, d.normal );
+	write( points.data, d.point_a );
+	write( points.data + 3, d.point_b );
+	return result( "Depth", nb::make_tuple( static_cast<int>( d.kind ), d.lower, d.upper, normal.object, points.object ) );
 }
 
 /// The spheres, and a dictionary of the report.
@@ -357,6 +384,13 @@ void bindShapes( nb::module_& module )
 	        "leeway.results.Distance" ),
 	    "Distance of two shapes at their poses: lower <= distance <= upper, metres, and the two witness points [2, 3] in the world.\n"
 	    "A pose is a 4 x 4 matrix, x y z, or x y z qx qy qz qw; None is the identity." );
+	module.def( "depth", &shapeDepth, "a"_a, "pose_a"_a.none(), "b"_a, "pose_b"_a.none(), nb::kw_only(), "steps"_a = 256,
+	    nb::sig(
+	        "def depth(a: Shape, pose_a: numpy.typing.ArrayLike | None, b: Shape, pose_b: numpy.typing.ArrayLike | None, *, "
+	        "steps: int = 256) -> leeway.results.Depth" ),
+	    "Penetration depth of two shapes at their poses: the length of the shortest translation of a after which neither meets the\n"
+	    "inside of the other; lower <= depth <= upper, metres. Exact to rounding for convex bodies; for others the interval narrows\n"
+	    "with steps. Meshes have an inside if they are solid, or convex. Poses as those of distance()." );
 }
 
 } // namespace leeway::python

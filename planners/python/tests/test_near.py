@@ -99,3 +99,34 @@ def test_bad_states_and_names_are_named(checker):
         checker.near([0, 0, numpy.nan, 0, 0, 0], 1)
     with pytest.raises(ValueError, match="no link 'middle'"):
         checker.point_jacobian(numpy.zeros(6), "middle", (0, 0, 0))
+
+
+def test_depths_of_pairs_in_contact(checker, rng):
+    q = rng.uniform(-1.2, 1.2, (3000, 6))
+    near, plain = checker.near(q, 0.1, depth=True, tie_width=1e-6), checker.near(q, 0.1)
+    touching = near.directions * (near.upper < 0) > 0
+    assert touching.sum() > 100 and (near.upper[~touching] >= 0).all() and (plain.upper >= 0).all()
+    gaps = near.witnesses[touching, 0] - near.witnesses[touching, 1]
+    numpy.testing.assert_allclose(gaps, near.normals[touching] * near.upper[touching, None], rtol=0, atol=1e-11)
+    assert (near.upper - near.lower)[touching].max() < 1e-11
+    state = numpy.repeat(numpy.arange(len(q)), numpy.diff(near.offsets))
+    smooth = numpy.flatnonzero(touching & (near.directions == leeway.Direction.UNIQUE) & (near.upper < -1e-3))
+    assert len(smooth) > 50
+    h = 1e-6
+    for k in smooth[:60]:
+        for v in range(6):
+            step = numpy.eye(6)[v] * h
+            both = checker.near(numpy.array([q[state[k]] - step, q[state[k]] + step]), 0.1, depth=True)
+            values = [both.upper[both.rows(i)][(both.pairs[both.rows(i)] == near.pairs[k]).all(axis=1)] for i in range(2)]
+            assert abs((values[1] - values[0]) / (2 * h) - near.derivatives[k, v]).max() < 1e-5
+
+
+def test_depth_of_two_shapes():
+    box, ball = leeway.Shape.box(1, 2, 3), leeway.Shape.sphere(0.25)
+    depth = leeway.depth(box, None, ball, (0.5, 0, 0))
+    assert depth.kind == leeway.DepthKind.OVERLAP and abs(depth.lower - 0.25) < 1e-13 and abs(depth.upper - 0.25) < 1e-13
+    numpy.testing.assert_allclose(depth.normal, (-1, 0, 0), atol=1e-14)
+    numpy.testing.assert_allclose(depth.witnesses, [(0.5, 0, 0), (0.25, 0, 0)], atol=1e-13)
+    assert leeway.depth(box, None, ball, (2, 0, 0)).kind == leeway.DepthKind.APART
+    with pytest.raises(ValueError, match="steps"):
+        leeway.depth(box, None, ball, None, steps=0)

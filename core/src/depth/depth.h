@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Depths of pairs of shapes. Derivations: core/docs/depth.md.
+#ifndef LEEWAY_DEPTH_DEPTH_H
+#define LEEWAY_DEPTH_DEPTH_H
+
+#include "distance/pair_query.h"
+#include "leeway/depth.h"
+
+LW_EXTERN_C_BEGIN
+
+/// A body and its dilation.
+typedef struct lwi_round_convex
+{
+	lwi_convex core;
+	double radius;
+} lwi_round_convex;
+
+/// Depth of two shapes whose meshes are made, all in a's frame.
+/// @return true if ways out in other directions, by 0.1 or more, are proved to be longer, and by more than `longer`
+bool lwi_depth( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	const lw_depth_def* def, double longer, lw_depth* out );
+
+/// Depth of two convex bodies: an exact one but for rounding, or for what the steps leave open. @return as lwi_depth()
+bool lwi_convex_depth( const lwi_round_convex* a, const lwi_round_convex* b, const lw_transform* a_from_b,
+	const lw_depth_def* def, double longer, lw_depth* out );
+
+/// Depth of two bodies of which one is not convex.
+void lwi_solid_depth( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	const lw_depth_def* def, lw_depth* out );
+
+/// A convex body that contains the shape. @param corners [8][3] memory for it
+lwi_round_convex lwi_convex_around( const lw_shape* shape, double* corners );
+
+/// Beside convex bodies a convex mesh has one, too, declared or not.
+bool lwi_has_inside( const lw_shape* shape );
+
+/// A ball of this radius about a point of the shape's frame is in the shape; 0 if the point is outside, or it is not known.
+double lwi_inner_radius( const lw_shape* shape, lw_vec3 point );
+
+LW_EXTERN_C_END
+
+#endif

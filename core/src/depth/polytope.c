@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Convex hulls of points, one by one (Kallay 1984; van den Bergen 2001 for depths). Faces that see a new point go, and those between it
+// and their rim come. Whether a face sees a point is decided exactly, so that the faces are those of the hull of the points
+// as they are stored, however flat: no degenerate face can arise (core/docs/depth.md).
+#include "depth/polytope.h"
+#include "base/exact_sign.h"
+#include "base/math_inline.h"
+
+/// Edges of the rim of what a point sees.
+typedef struct rim
+{
+	uint16_t edge[3 * LWI_POLYTOPE_FACES][2];
+	uint32_t count;
+} rim;
+
+/// Positive if p is behind the face.
+static int side( const lwi_polytope* p, const uint16_t corner[3], const double point[3] )
+{
+	return lwi_exact_side( p->points[corner[0]].w, p->points[corner[1]].w, p->points[corner[2]].w, point );
+}
+
+static lwi_polytope_face make_face( const lwi_polytope* p, uint16_t i, uint16_t j, uint16_t k )
+{
+	static const double origin[3] = { 0, 0, 0 };
+	lwi_polytope_face face = { .corner = { i, j, k } };
+	const lw_vec3 a = lwi_load( p->points[i].w ), b = lwi_load( p->points[j].w ), c = lwi_load( p->points[k].w );
+	lw_vec3 n = lwi_cross( lwi_sub( b, a ), lwi_sub( c, a ) );
+	const double most = fmax( fabs( n.x ), fmax( fabs( n.y ), fabs( n.z ) ) );
+	// of a face too thin for a normal any direction will do: offsets hold for whatever it is
+	n = most > 0 ? lwi_scale( 1 / most, n ) : lwi_v3( 1, 0, 0 );
+	face.normal = lwi_scale( 1 / lwi_length( n ), n );
+	face.offset = fmin( lwi_dot( face.normal, a ), fmin( lwi_dot( face.normal, b ), lwi_dot( face.normal, c ) ) );
+	face.behind = side( p, face.corner, origin ) > 0;
+	return face;
+}
+
+bool lwi_polytope_begin( lwi_polytope* p, const lwi_polytope_point points[4] )
+{
+	p->point_count = 4;
+	p->face_count = 0;
+	for ( int i = 0; i < 4; ++i )
+	{
+		p->points[i] = points[i];
+	}
+	const uint16_t base[3] = { 0, 1, 2 };
+	const int behind = side( p, base, points[3].w );
+	if ( behind == 0 )
+	{
+		return false;
+	}
+	const uint16_t j = behind > 0 ? 1 : 2, k = behind > 0 ? 2 : 1; // 0, j, k sees nothing of 3
+	p->faces[p->face_count++] = make_face( p, 0, j, k );
+	p->faces[p->face_count++] = make_face( p, 0, 3, j );
+	p->faces[p->face_count++] = make_face( p, j, 3, k );
+	p->faces[p->face_count++] = make_face( p, k, 3, 0 );
+	return true;
+}
+
+const lwi_polytope_face* lwi_polytope_nearest( const lwi_polytope* p )
+{
+	const lwi_polytope_face* best = &p->faces[0];
+	for ( uint32_t i = 1; i < p->face_count; ++i )
+	{
+		best = p->faces[i].offset < best->offset ? &p->faces[i] : best;
+	}
+	return best;
+}
+
+double lwi_polytope_ball( const lwi_polytope* p )
+{
+	double least = INFINITY;
+	for ( uint32_t i = 0; i < p->face_count; ++i )
+	{
+		const double offset = p->faces[i].behind ? p->faces[i].offset : fmin( p->faces[i].offset, 0 );
+		least = offset < least ? offset : least;
+	}
+	return least;
+}
+
+/// Adds a face's edge, or takes the same edge of its neighbour away.
+static void toggle( rim* r, uint16_t from, uint16_t to )
+{
+	for ( uint32_t i = 0; i < r->count; ++i )
+	{
+		if ( r->edge[i][0] == to && r->edge[i][1] == from )
+		{
+			r->count--;
+			r->edge[i][0] = r->edge[r->count][0];
+			r->edge[i][1] = r->edge[r->count][1];
+			return;
+		}
+	}
+	r->edge[r->count][0] = from;
+	r->edge[r->count][1] = to;
+	r->count++;
+}
+
+bool lwi_polytope_add( lwi_polytope* p, const lwi_polytope_point* point )
+{
+	bool seen[LWI_POLYTOPE_FACES];
+	uint32_t count = 0, kept = 0;
+	rim r = { .count = 0 };
+	for ( uint32_t i = 0; i < p->face_count; ++i )
+	{
+		seen[i] = side( p, p->faces[i].corner, point->w ) < 0;
+		count += seen[i];
+		for ( int k = 0; seen[i] && k < 3; ++k )
+		{
+			toggle( &r, p->faces[i].corner[k], p->faces[i].corner[( k + 1 ) % 3] );
+		}
+	}
+	if ( count == 0 || p->point_count == LWI_POLYTOPE_POINTS || p->face_count - count + r.count > LWI_POLYTOPE_FACES )
+	{
+		return false;
+	}
+	for ( uint32_t i = 0; i < p->face_count; ++i )
+	{
+		if ( !seen[i] )
+		{
+			p->faces[kept++] = p->faces[i];
+		}
+	}
+	const uint16_t added = (uint16_t)p->point_count;
+	p->points[p->point_count++] = *point;
+	p->face_count = kept;
+	for ( uint32_t i = 0; i < r.count; ++i )
+	{
+		p->faces[p->face_count++] = make_face( p, r.edge[i][0], r.edge[i][1], added );
+	}
+	return true;
+}
+
+void lwi_polytope_weights( const lwi_polytope* p, const lwi_polytope_face* face, double weight[3] )
+{
+	// areas of the triangles between the foot of the origin and the sides, as the normal sees them
+	lw_vec3 corner[3];
+	double sum = 0;
+	const lw_vec3 foot = lwi_scale( face->offset, face->normal );
+	for ( int k = 0; k < 3; ++k )
+	{
+		corner[k] = lwi_sub( lwi_load( p->points[face->corner[k]].w ), foot );
+	}
+	for ( int k = 0; k < 3; ++k )
+	{
+		const double area = lwi_dot( face->normal, lwi_cross( corner[( k + 1 ) % 3], corner[( k + 2 ) % 3] ) );
+		weight[k] = area > 0 ? area : 0;
+		sum += weight[k];
+	}
+	for ( int k = 0; k < 3; ++k )
+	{
+		weight[k] = sum > 0 ? weight[k] / sum : 1.0 / 3;
+	}
+}

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Depth of bodies that are not convex: two bounds that narrow with work.
+//
+// From above: wherever a was moved to and is apart from b, that translation is a way out, and it may end before, by the distance of the two.
+// The convex bodies around both give the first; then a is moved along some directions until it is free, and slides along what it meets
+// first. From below: two balls about one point, one in each body, part only after a translation of both radii. Derivation:
+// core/docs/depth.md.
+#include "depth/depth.h"
+
+typedef struct solids
+{
+	lwi_search_memory* memory;
+	const lw_shape *a, *b;
+	const lw_transform* a_from_b;
+	double rounding; ///< metres
+	double lower, upper;
+	lw_vec3 way;              ///< translation of length `upper`, a's frame
+	lw_vec3 point_a, point_b; ///< where they touch after it, each as before it
+	bool are_theirs;          ///< these are points of the bodies, not of the convex ones around
+	lw_vec3 normal;           ///< of the last look: from b to a
+	uint32_t steps, most_steps;
+} solids;
+
+/// Distance of the bodies with a moved: a lower bound, 0 if they touch. A translation that is shorter than all before is kept.
+static double look( solids* s, lw_vec3 move )
+{
+	lw_transform moved = *s->a_from_b;
+	moved.t[0] -= move.x;
+	moved.t[1] -= move.y;
+	moved.t[2] -= move.z;
+	const lw_range range = { 0, INFINITY, 0.05 };
+	lwi_bound bound;
+	lwi_bound_init( &bound, &range );
+	s->steps++;
+	lwi_search( s->memory, s->a, s->b, &moved, &bound );
+	const lw_clearance c = lwi_bound_result( &bound );
+	if ( c.kind != LW_CLEARANCE_NEAR )
+	{
+		return 0;
+	}
+	const lw_vec3 between = lwi_sub( bound.point_a, bound.point_b );
+	s->normal = lwi_scale( 1 / lwi_length( between ), between );
+	const double length = lwi_length( move ), upper = fmax( 0, length - c.lower ) + s->rounding;
+	if ( upper < s->upper )
+	{
+		s->upper = upper;
+		s->way = lwi_scale( length > 0 ? upper / length : 0, move );
+		s->point_a = bound.point_a;
+		s->point_b = lwi_add( bound.point_b, move );
+		s->are_theirs = true;
+	}
+	return c.lower;
+}
+
+static bool is_over( const solids* s, double width )
+{
+	return s->steps >= s->most_steps || s->upper - s->lower <= width;
+}
+
+/// From a free place: the nearest place to the origin on the plane across the nearest points, again and again.
+static void slide( solids* s, lw_vec3 move, double gap, double width )
+{
+	for ( int i = 0; i < 12 && gap > 0 && !is_over( s, width ); ++i )
+	{
+		const double before = s->upper;
+		const lw_vec3 n = s->normal;
+		const double height = lwi_dot( n, move ) - 0.98 * gap;
+		lw_vec3 next = height > 0 ? lwi_scale( height, n ) : lwi_scale( 1 - gap / lwi_length( move ), move );
+		gap = look( s, next );
+		if ( !( gap > 0 ) ) // something else is there: half of the way
+		{
+			next = lwi_scale( 0.5, lwi_add( next, move ) );
+			gap = look( s, next );
+		}
+		move = next;
+		if ( s->upper > before * ( 1 - 1e-4 ) )
+		{
+			return;
+		}
+	}
+}
+
+/// Moves a along a direction until it is free.
+static void search_along( solids* s, lw_vec3 direction, double width )
+{
+	for ( double length = s->upper / 32; length < s->upper && !is_over( s, width ); length *= 1.4 )
+	{
+		const lw_vec3 move = lwi_scale( length, direction );
+		const double gap = look( s, move );
+		if ( gap > 0 )
+		{
+			slide( s, move, gap, width );
+			return;
+		}
+	}
+}
+
+/// Sum of the radii of balls about a point of a's frame; 0 if it is not inside of both.
+static double balls_at( solids* s, lw_vec3 x )
+{
+	s->steps++;
+	const double a = lwi_inner_radius( s->a, x );
+	const double b = a > 0 ? lwi_inner_radius( s->b, lwi_untransform( s->a_from_b, x ) ) : 0;
+	return b > 0 ? a + b - s->rounding : 0;
+}
+
+/// The best point near the segment between the two that touch after the way out.
+static void find_balls( solids* s, double width )
+{
+	const lw_vec3 from = s->point_a, along = lwi_sub( s->point_b, from );
+	lw_vec3 best = lwi_add_scaled( from, 0.5, along );
+	if ( s->are_theirs ) // each end is a ball of radius 0
+	{
+		s->lower = fmax( s->lower, lwi_inner_radius( s->b, lwi_untransform( s->a_from_b, from ) ) - s->rounding );
+		s->lower = fmax( s->lower, lwi_inner_radius( s->a, s->point_b ) - s->rounding );
+	}
+	double most = 0;
+	for ( int i = 1; i < 8; ++i )
+	{
+		const lw_vec3 x = lwi_add_scaled( from, i / 8.0, along );
+		const double sum = balls_at( s, x );
+		best = sum > most ? x : best;
+		most = fmax( sum, most );
+	}
+	for ( double step = 0.25 * lwi_length( along ); step > 1e-4 * s->upper; )
+	{
+		const double before = most;
+		const lw_vec3 center = best;
+		for ( int i = 0; i < 6; ++i )
+		{
+			const double d = i % 2 == 0 ? step : -step;
+			const lw_vec3 x = lwi_add( center, lwi_v3( i / 2 == 0 ? d : 0, i / 2 == 1 ? d : 0, i / 2 == 2 ? d : 0 ) );
+			const double sum = balls_at( s, x );
+			best = sum > most ? x : best;
+			most = fmax( sum, most );
+		}
+		step = most > before ? step : 0.5 * step;
+		s->lower = fmax( s->lower, most );
+		if ( is_over( s, width ) )
+		{
+			return;
+		}
+	}
+	s->lower = fmax( s->lower, most );
+}
+
+void lwi_solid_depth( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	const lw_depth_def* def, lw_depth* out )
+{
+	double corners_a[24], corners_b[24];
+	const lwi_round_convex around_a = lwi_convex_around( a, corners_a ), around_b = lwi_convex_around( b, corners_b );
+	lwi_convex_depth( &around_a, &around_b, a_from_b, def, 0, out );
+	if ( out->kind == LW_DEPTH_APART )
+	{
+		return;
+	}
+	const double size = a->sphere_radius + b->sphere_radius + lwi_length( lwi_load( a->sphere_center ) ) +
+						lwi_length( lwi_load( b->sphere_center ) ) + lwi_length( lwi_load( a_from_b->t ) );
+	// the least way out so far leaves a little room, so that all others are shorter by more than rounding
+	solids s =
+		{ .memory = memory, .a = a, .b = b, .a_from_b = a_from_b, .rounding = LWI_EXACT_ERROR * size, .upper = INFINITY };
+	s.most_steps = def->steps / 2;
+	if ( look( &s, lwi_v3( 0, 0, 0 ) ) > 0 )
+	{
+		*out = ( lw_depth ){ .kind = LW_DEPTH_APART, .steps = out->steps + 1 };
+		return;
+	}
+	s.upper = out->upper;
+	s.way = lwi_scale( out->upper, out->normal );
+	s.point_a = out->point_a;
+	s.point_b = out->point_b;
+	const double width = fmax( def->width, 4 * s.rounding );
+	search_along( &s, out->normal, width );
+	for ( int i = 0; i < 12; ++i )
+	{
+		const double sign = i % 2 == 0 ? 1 : -1;
+		const int k = i / 2 % 3;
+		const lw_vec3 axis =
+			i < 6 ? lwi_v3( k == 0, k == 1, k == 2 ) : lwi_v3( a_from_b->r[0][k], a_from_b->r[1][k], a_from_b->r[2][k] );
+		search_along( &s, lwi_scale( sign, axis ), width );
+	}
+	s.most_steps = def->steps;
+	find_balls( &s, width );
+	const double length = lwi_length( s.way );
+	out->upper = s.upper;
+	out->lower = fmin( s.lower, s.upper );
+	out->normal = length > 0 ? lwi_scale( 1 / length, s.way ) : out->normal;
+	out->point_a = s.point_a;
+	out->point_b = s.point_b;
+	out->steps += s.steps;
+}
