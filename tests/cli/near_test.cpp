@@ -92,3 +92,29 @@ TEST_F( CliNear, OptionsThatMeanNothingAreRefused )
 	EXPECT_EQ( alone.status, 2 );
 	EXPECT_TRUE( contains( alone.err, "--near" ) ) << alone.err;
 }
+
+TEST_F( CliNear, PairsInContactHaveNoDepth )
+{
+	write( "states.csv", "yaw,shoulder,elbow,wrist\n0,0.9,0.6,0\n" ); // the forearm is across the lamp
+	const std::string first = LEEWAY_FIRST_EXAMPLE;
+	const std::vector<std::string> arguments = { "check", "--robot", first + "/arm.urdf", "--srdf", first + "/arm.srdf",
+	    "--scene", first + "/scene.yaml", "--states", "states.csv", "--near", "0.03" };
+	const Outcome plain = run( arguments );
+	std::vector<std::string> deep = arguments;
+	deep.insert( deep.end(), { "--depth", "--derivatives" } );
+	const Outcome with = run( deep );
+	ASSERT_EQ( plain.status, 1 ) << plain.err;
+	ASSERT_EQ( with.status, 1 ) << with.err;
+	const auto without_depth = cellsOf( plain.out ), cells = cellsOf( with.out );
+	ASSERT_GE( cells.size(), 2u );
+	EXPECT_EQ( without_depth[1][4], "lamp" );
+	EXPECT_EQ( without_depth[1][6], "0" );
+	EXPECT_EQ( without_depth[1][16], "none" );
+	// half of the forearm and half of the lamp, to either side
+	EXPECT_EQ( cells[1][4], "lamp" );
+	EXPECT_NEAR( std::stod( cells[1][5] ), -0.06, 1e-8 );
+	EXPECT_NEAR( std::stod( cells[1][6] ), -0.06, 1e-8 );
+	EXPECT_NEAR( std::fabs( std::stod( cells[1][14] ) ), 1, 1e-9 );
+	EXPECT_EQ( cells[1][16], "tied" );
+	EXPECT_GT( std::fabs( std::stod( cells[1][17] ) ), 0.1 ); // yaw turns it out
+}
