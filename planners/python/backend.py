@@ -13,7 +13,7 @@ from scikit_build_core.build import *  # noqa: F401,F403: all other hooks
 
 HERE = pathlib.Path(__file__).resolve().parent
 CLONE = HERE.parent.parent
-PARTS = ["CMakeLists.txt", "LICENSE", "README.md", "core", "ompl_bridge", "planners", "benchmarks/README.md", "examples/first", "examples/python",
+PARTS = ["CMakeLists.txt", "precompile.cmake", "LICENSE", "README.md", "core", "ompl_bridge", "planners", "benchmarks/README.md", "examples/first", "examples/python",
     "examples/kitchen/README.md"]
 NO_SOURCES = shutil.ignore_patterns("__pycache__", "build", "dist", "*.egg-info")
 
