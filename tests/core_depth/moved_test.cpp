@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a depth says about translations, of bodies of all types: moved by the way out they are apart; moved by less than `lower`, wherever
+// Ways out of bodies of all types: moved by the way out they are apart; moved by less than `lower`, wherever
 // to, they are not. lw_shape_distance() judges.
 #include "depth_bodies.hpp"
 

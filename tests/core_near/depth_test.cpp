@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Depths of rows in contact: their derivatives against finite differences, what they leave alone, and margins.
+// Depths of rows in contact: their derivatives against finite differences, and rows that are apart.
 #include "near_world.hpp"
 
 namespace

@@ -11,8 +11,8 @@ LW_EXTERN_C_BEGIN
 typedef enum lw_direction
 {
 	LW_DIRECTION_NONE = 0, ///< the bodies touch, without a depth: no direction, `normal` and derivatives are 0
-	LW_DIRECTION_UNIQUE =
-		1, ///< of the nearest points; with tie_width > 0 no others are as near, or no other way out as short
+	/// Of the nearest points; with tie_width > 0 no others are as near, or no other way out as short.
+	LW_DIRECTION_UNIQUE = 1,
 	/// Other points are as near, such as of faces that are parallel: the clearance has a ridge there. The derivatives are those of
 	/// one of these pairs of points, a subgradient: motions along them that part it may leave another as near.
 	LW_DIRECTION_TIED = 2
