@@ -7,6 +7,11 @@
 // core/docs/depth.md.
 #include "depth/depth.h"
 
+enum
+{
+	MOST_LOOKS = 1 << 14 ///< pairs of parts
+};
+
 typedef struct solids
 {
 	lwi_search_memory* memory;
@@ -144,6 +149,79 @@ static void find_balls( solids* s, double width )
 	s->lower = fmax( s->lower, most );
 }
 
+/// A convex part of a body, with a sphere around it.
+typedef struct part
+{
+	lwi_round_convex body;
+	double corners[24]; ///< memory of it
+	lw_vec3 center;
+	double reach;
+} part;
+
+/// Parts of a set of balls or boxes, or the one of a convex body; 0 of others.
+static uint32_t part_count( const lw_shape* shape )
+{
+	lwi_convex whole;
+	return shape->family == LWI_BALLS || shape->family == LWI_BOXES ? shape->item_count
+		   : shape->closed || shape->type != LW_SHAPE_MESH          ? lwi_convex_of_shape( shape, &whole )
+																	: 0;
+}
+
+static void make_part( const lw_shape* shape, uint32_t i, part* out )
+{
+	lw_vec3 corner[8];
+	if ( shape->family == LWI_BALLS )
+	{
+		lwi_load_corners( shape, i, corner );
+		out->body = ( lwi_round_convex ){ { .type = LWI_CONVEX_TRIANGLE, .vertex = { corner[0], corner[0], corner[0] } },
+			lwi_item_radius( shape, i ) };
+		out->center = corner[0];
+		out->reach = out->body.radius;
+		return;
+	}
+	out->body = lwi_convex_around( shape, out->corners );
+	out->center = lwi_load( shape->sphere_center );
+	out->reach = shape->sphere_radius;
+	if ( shape->family == LWI_BOXES )
+	{
+		lwi_item_corners( shape, i, corner );
+		for ( int k = 0; k < 8; ++k )
+		{
+			out->corners[3 * k] = corner[k].x;
+			out->corners[3 * k + 1] = corner[k].y;
+			out->corners[3 * k + 2] = corner[k].z;
+		}
+		out->body = ( lwi_round_convex ){ { .type = LWI_CONVEX_POINTS, .points = out->corners, .point_count = 8 }, 0 };
+		out->center = lwi_scale( 0.5, lwi_add( corner[0], corner[7] ) );
+		out->reach = 0.5 * lwi_distance( corner[0], corner[7] );
+	}
+}
+
+/// A pair of convex parts is no deeper than the bodies.
+static void compare_parts( solids* s, const lw_depth_def* def, double width )
+{
+	part a, b;
+	const uint32_t count_a = part_count( s->a ), count_b = part_count( s->b );
+	uint32_t looks = 0;
+	for ( uint32_t i = 0; i < count_a; ++i )
+	{
+		make_part( s->a, i, &a );
+		for ( uint32_t k = 0; k < count_b && !is_over( s, width ) && looks < MOST_LOOKS; ++k, ++looks )
+		{
+			make_part( s->b, k, &b );
+			// along the line of the centres the way out is no longer than this
+			const double most = a.reach + b.reach - lwi_distance( a.center, lwi_transform( s->a_from_b, b.center ) );
+			if ( most > s->lower )
+			{
+				lw_depth depth;
+				lwi_convex_depth( &a.body, &b.body, s->a_from_b, def, 0, &depth );
+				s->lower = fmax( s->lower, depth.lower );
+				s->steps += 1 + depth.steps / 8;
+			}
+		}
+	}
+}
+
 void lwi_solid_depth( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
 	const lw_depth_def* def, lw_depth* out )
 {
@@ -180,6 +258,7 @@ void lwi_solid_depth( lwi_search_memory* memory, const lw_shape* a, const lw_sha
 		search_along( &s, lwi_scale( sign, axis ), width );
 	}
 	s.most_steps = def->steps;
+	compare_parts( &s, def, width );
 	find_balls( &s, width );
 	const double length = lwi_length( s.way );
 	out->upper = s.upper;
