@@ -26,7 +26,7 @@ threaded_tests='[Tt]hread'
 long_tests='^truth|^zoo|^install|^SpheresData.Armar|armar3/armar3|^ReachPairsData.Armar|^SphereTree.AMillion'
 long_tests+='|^EdgePieces.FreeMotions|^Edge.CertifiedVerdictsSurvive|^IntervalBatch.(ProvedCell|BallPasses)|^Hierarchy.(Changes|PairOfMany|EdgeContra)'
 long_tests+='|^EdgeTube|^Curve.VerdictsOnRandom|^EdgeAudit.(Earlier|Runs|VerdictsWith)|^EdgeAuditData.Armar|^StatesData|^States.AnswersDiffer'
-long_tests+='|^NativeOmplPlanner.(Progress|Regions)|^Proofs.The(Motion|Run).*LastValid|^Roundings.Blends|^CliFields|^SdfTest.PosesOfRandom|^Witness.Slab'
+long_tests+='|^NativeOmplPlanner.(Progress|Regions)|^Proofs.The(Motion|Run).*LastValid|^Roundings.Blends|^CliFields|^CliWords|^Killed|^CacheData|^Cache.ADamaged|^SdfTest.PosesOfRandom|^Witness.Slab'
 long_tests+='|^SolidMesh.InsideContradicts|/SolidMeshPairs|^Required.ObstacleNearer|^Kernels.LevelDiffers|^EdgeClose.NoEdgeIsFree|^TriTri.SmallIntegers'
 
 
