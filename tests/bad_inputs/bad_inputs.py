@@ -185,9 +185,9 @@ def clean_answers(pool, chosen, options):
 
 
 def shared(all_cases, share):
-    """One in `share` of each class and reader, by the name: the same in each run."""
-    if share == 1:
-        return all_cases
+    """One in `share` of each class and reader, by the name: the same in each run. 0: none."""
+    if share <= 1:
+        return all_cases if share == 1 else []
     kinds = collections.defaultdict(list)
     for case in all_cases:
         kinds[case.name.rsplit(": ", 1)[0]].append(case)
@@ -203,7 +203,7 @@ def main():
     parser.add_argument("--limit", type=float, default=60, help="seconds of one case (default 60)")
     parser.add_argument("--csv", type=pathlib.Path, help="all answers as a table")
     parser.add_argument("--guard", type=pathlib.Path, help="leeway_guard.so (tests/guard): nothing is written or read elsewhere")
-    parser.add_argument("--share", type=int, default=1, help="of the hostile files one in N of each class, at least one (default: all)")
+    parser.add_argument("--share", type=int, default=1, help="of the hostile files one in N of each class, at least one; 0: none (default: all)")
     options = parser.parse_args()
     options.program = options.program.resolve()
     chosen = [case for case in [*command_cases(), *cases(), *format_cases(), *shared(hostile_cases(), options.share)] if options.only in case.name]
