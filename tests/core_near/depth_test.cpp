@@ -5,33 +5,14 @@
 namespace
 {
 
-class NearDepths : public testing::TestWithParam<int>
+class NearDepths : public NearTest
 {
 protected:
-	NearDepths()
+	NearDepths() : NearTest( 7000 )
 	{
-		world = randomWorld( 7000 + std::uint64_t( GetParam() ) );
-		query = queryOf( world.with_tables.get() );
 		def.distance = 0.2;
 		def.depth_steps = 256;
 	}
-
-	NearRows rows( const std::vector<double>& q ) { return nearPairs( world.with_tables.get(), query.get(), q, def ); }
-
-	std::map<BodyPair, double> clearances( const std::vector<double>& q )
-	{
-		std::map<BodyPair, double> out;
-		for ( const lw_near_pair& row : rows( q ).rows )
-		{
-			out[bodiesOf( row )] = row.clearance.upper;
-		}
-		return out;
-	}
-
-	SeededRng rng{ std::mt19937_64( std::uint64_t( GetParam() ) ) };
-	EdgeWorld world;
-	leeway::Query query;
-	lw_near_def def = lw_near_def_default();
 };
 
 TEST_P( NearDepths, HaveOtherSlopesThanTheirDerivatives )

@@ -5,30 +5,10 @@
 namespace
 {
 
-class NearDerivatives : public testing::TestWithParam<int>
+class NearDerivatives : public NearTest
 {
 protected:
-	NearDerivatives()
-	{
-		world = randomWorld( 6000 + std::uint64_t( GetParam() ) );
-		query = queryOf( world.with_tables.get() );
-		def.distance = INFINITY;
-	}
-
-	std::map<BodyPair, double> clearances( const std::vector<double>& q )
-	{
-		std::map<BodyPair, double> out;
-		for ( const lw_near_pair& row : nearPairs( world.with_tables.get(), query.get(), q, def ).rows )
-		{
-			out[bodiesOf( row )] = row.clearance.upper;
-		}
-		return out;
-	}
-
-	SeededRng rng{ std::mt19937_64( std::uint64_t( GetParam() ) ) };
-	EdgeWorld world;
-	leeway::Query query;
-	lw_near_def def = lw_near_def_default();
+	NearDerivatives() : NearTest( 6000 ) { def.distance = INFINITY; }
 };
 
 TEST_P( NearDerivatives, AreTheSlopesOfTheClearances )
@@ -38,7 +18,7 @@ TEST_P( NearDerivatives, AreTheSlopesOfTheClearances )
 	for ( int i = 0; i < 3; ++i )
 	{
 		const std::vector<double> q = randomGroupState( world, rng );
-		const NearRows near = nearPairs( world.with_tables.get(), query.get(), q, def );
+		const NearRows near = rows( q );
 		ASSERT_EQ( LW_OK, near.status );
 		for ( std::size_t v = 0; v < q.size(); ++v )
 		{

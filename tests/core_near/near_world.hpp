@@ -57,3 +57,30 @@ inline BodyPair bodiesOf( const lw_near_pair& row )
 {
 	return { row.self, row.body_a, row.body_b };
 }
+
+/// A random world for each number, its query, and the same call for all states.
+class NearTest : public testing::TestWithParam<int>
+{
+protected:
+	explicit NearTest( std::uint64_t first_world )
+	    : world( randomWorld( first_world + std::uint64_t( GetParam() ) ) ), query( queryOf( world.with_tables.get() ) )
+	{
+	}
+
+	NearRows rows( const std::vector<double>& q ) { return nearPairs( world.with_tables.get(), query.get(), q, def ); }
+
+	std::map<BodyPair, double> clearances( const std::vector<double>& q )
+	{
+		std::map<BodyPair, double> out;
+		for ( const lw_near_pair& row : rows( q ).rows )
+		{
+			out[bodiesOf( row )] = row.clearance.upper;
+		}
+		return out;
+	}
+
+	SeededRng rng{ std::mt19937_64( std::uint64_t( GetParam() ) ) };
+	EdgeWorld world;
+	leeway::Query query;
+	lw_near_def def = lw_near_def_default();
+};

@@ -293,7 +293,12 @@ bool lwi_convex_depth( const lwi_round_convex* a, const lwi_round_convex* b, con
 	const double radii = a->radius + b->radius;
 	*out = ( lw_depth ){ .kind = LW_DEPTH_OVERLAP };
 	const lwi_convex_result apart = lwi_convex_distance( &a->core, &b->core, a_from_b, radii, 0 );
-	expansion e = { .upper = INFINITY, .most_steps = def->steps };
+	expansion e; // not cleared as a whole: most of it is the polytope's memory
+	e.upper = INFINITY;
+	e.other = 0;
+	e.steps = 0;
+	e.most_steps = def->steps;
+	e.polytope.face_count = 0;
 	const lw_vec3 origin = lwi_convex_pair( &a->core, &b->core, a_from_b, &e.pair );
 	e.rounding = LWI_CONVEX_ROUNDING * ( e.pair.extent + radii ) + excess_of( &a->core ) + excess_of( &b->core );
 	if ( apart.lower > radii || ( apart.lower > 0 && radii == 0 ) )

@@ -103,7 +103,7 @@ static void depth_in_unbounded( const lw_shape* shape, const lw_shape* unbounded
 
 static lw_transform inverse_of( const lw_transform* m )
 {
-	const lw_transform identity = { { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, { 0, 0, 0 } };
+	const lw_transform identity = lw_transform_identity();
 	return lwi_relative( m, &identity );
 }
 

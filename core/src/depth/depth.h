@@ -20,7 +20,7 @@ typedef struct lwi_round_convex
 bool lwi_depth( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
 	const lw_depth_def* def, double longer, lw_depth* out );
 
-/// Depth of two convex bodies: an exact one but for rounding, or for what the steps leave open. @return as lwi_depth()
+/// Depth of two convex bodies, exact but for rounding and the limit of steps. @return as lwi_depth()
 bool lwi_convex_depth( const lwi_round_convex* a, const lwi_round_convex* b, const lw_transform* a_from_b,
 	const lw_depth_def* def, double longer, lw_depth* out );
 

@@ -151,21 +151,16 @@ static double depth_in_items( const lw_shape* shape, lw_vec3 point )
 	return most - 16 * LWI_U64 * ( most + lwi_length( point ) );
 }
 
-static double depth_in_primitive( const lw_shape* shape, lw_vec3 p )
+/// The depth of the point as a body of its own.
+static double depth_in_primitive( const lw_shape* shape, lw_vec3 point )
 {
-	const double* d = shape->dimensions;
-	const double rounding = LWI_CONVEX_ROUNDING * ( shape->sphere_radius + lwi_length( p ) );
-	if ( shape->type == LW_SHAPE_BOX )
-	{
-		return fmin( 0.5 * d[0] - fabs( p.x ), fmin( 0.5 * d[1] - fabs( p.y ), 0.5 * d[2] - fabs( p.z ) ) ) - rounding;
-	}
-	const double rho = sqrt( p.x * p.x + p.y * p.y ), half = 0.5 * d[1];
-	if ( shape->type == LW_SHAPE_CYLINDER )
-	{
-		return fmin( d[0] - rho, half - fabs( p.z ) ) - rounding;
-	}
-	const double side = ( ( d[0] - rho ) * d[1] - ( p.z + half ) * d[0] ) / sqrt( d[1] * d[1] + d[0] * d[0] );
-	return fmin( side, p.z + half ) - rounding;
+	const lw_transform identity = lw_transform_identity();
+	const lwi_round_convex body = { lwi_convex_of_primitive( shape ), 0 };
+	const lwi_round_convex at = { { .type = LWI_CONVEX_TRIANGLE, .vertex = { point, point, point } }, 0 };
+	const lw_depth_def def = { .steps = 1 }; // it has a closed form
+	lw_depth depth;
+	lwi_convex_depth( &body, &at, &identity, &def, 0, &depth );
+	return depth.lower;
 }
 
 double lwi_inner_radius( const lw_shape* shape, lw_vec3 point )

@@ -2,8 +2,8 @@
 // Depth of bodies that are not convex: two bounds that narrow with work.
 //
 // From above: wherever a was moved to and is apart from b, that translation is a way out, and it may end before, by the distance of the two.
-// The convex bodies around both give the first; then a is moved along some directions until it is free, and slides along what it meets
-// first. From below: two balls about one point, one in each body, part only after a translation of both radii. Derivation:
+// The convex bodies around both give the first; then a is moved along some directions until it is free, and slides along the
+// surface that is nearest there. From below: two balls about one point, one in each body, part only after a translation of both radii. Derivation:
 // core/docs/depth.md.
 #include "depth/depth.h"
 
