@@ -45,6 +45,9 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	e->path.curve.part =
 		lwi_arena_take( &arena, ( LW_CURVE_MOST_DEGREE + 1 ) * (size_t)c->base->group.variable_count, sizeof( double ) );
 	e->path.curve.size = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
+	e->room_points =
+		lwi_arena_take( &arena, ( LW_CURVE_MOST_DEGREE + 1 ) * (size_t)c->base->group.variable_count, sizeof( double ) );
+	e->room_tolerance = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
 	for ( int i = 0; i < 4; ++i )
 	{
 		e->path.ranges[i] = lwi_arena_take( &arena, variables, sizeof( double ) );
@@ -87,6 +90,15 @@ bool lwi_edge_begin( lwi_edge* edge )
 		lw_checker_full_state( edge->checker, edge->path.qb, edge->path.full_b );
 	}
 	return true;
+}
+
+bool lwi_edge_room( const lw_checker* checker, lw_query* query, double** out_points, double** out_tolerance )
+{
+	lwi_edge edge = { .checker = checker, .query = query };
+	const bool fits = lay_out( &edge, query->scratch.edge ) <= query->capacity.edge_bytes;
+	*out_points = edge.room_points;
+	*out_tolerance = edge.room_tolerance;
+	return fits;
 }
 
 size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )

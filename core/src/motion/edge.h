@@ -219,6 +219,7 @@ typedef struct lwi_edge
 	lwi_edge_memory* memory;           ///< of this edge and the ones before. Owner: motion/planes.c
 	double *lane_states, *lane_speeds; ///< [LWI_WIDTH][robot variable_count] scratch of motion/gate.c
 	lwi_lane_bound* lane_bounds;       ///< [clusters] scratch of motion/gate.c
+	double *room_points, *room_tolerance; ///< see lwi_edge_room()
 	bool failed;                       ///< a state could not be posed or measured
 	lw_status failure;                 ///< why, if it was not the state: a deferred mesh
 } lwi_edge;
@@ -231,6 +232,10 @@ size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 
 /// Lays the scratch of the query out. @return false if it is too small
 bool lwi_edge_begin( lwi_edge* edge );
+
+/// Scratch for the control points [LW_CURVE_MOST_DEGREE + 1][group variables] and the tolerance [group variables] of curves that are
+/// made for this query one after the other. The query's own questions do not use it. @return false if the query is too small
+bool lwi_edge_room( const lw_checker* checker, lw_query* query, double** out_points, double** out_tolerance );
 
 // --- motion/path.c --------------------------------------------------------------------------------------------------------
 
