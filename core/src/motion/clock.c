@@ -401,15 +401,21 @@ lw_status lw_clock_check( const lw_checker* c, const lw_clock* clock, lw_diag* d
 	return status == LW_OK ? check_owners( clock, diag ) : status;
 }
 
-/// The same of all that is looked at between two times.
-static bool is_usable( const lw_checker* c, const lw_clock* clock, double start, double end )
+/// The same of all that is looked at between two times. @param marks [group variables] scratch
+static bool is_usable( const lw_checker* c, const lw_clock* clock, double start, double end, double* marks )
 {
-	bool usable = ( clock->track_count == 0 || clock->tracks != NULL ) && clock->rest != NULL &&
-				  all_finite( clock->rest, c->base->group.variable_count );
+	const uint32_t count = c->base->group.variable_count;
+	bool usable =
+		( clock->track_count == 0 || clock->tracks != NULL ) && clock->rest != NULL && all_finite( clock->rest, count );
+	memset( marks, 0, count * sizeof( double ) );
 	for ( uint32_t t = 0; usable && t < clock->track_count; ++t )
 	{
 		const lw_track* track = &clock->tracks[t];
 		usable = check_track( c, clock, t, NULL ) == LW_OK;
+		for ( uint32_t i = 0; usable && i < track->variable_count; ++i )
+		{
+			usable = ( marks[track->variables[i]] += 1 ) == 1;
+		}
 		const uint32_t first = usable ? begun_by( track, start - track->lag ) : 0;
 		for ( uint32_t p = first > 0 ? first - 1 : 0;
 			  usable && p < track->piece_count && ( p < first + 1 || track->pieces[p].start <= end + track->lag ); ++p )
@@ -417,7 +423,7 @@ static bool is_usable( const lw_checker* c, const lw_clock* clock, double start,
 			usable = check_piece( c, track, t, p, NULL ) == LW_OK;
 		}
 	}
-	return usable && check_owners( clock, NULL ) == LW_OK;
+	return usable;
 }
 
 // ---- parts -----------------------------------------------------------------------------------------------------------
@@ -686,7 +692,7 @@ lw_status lw_checker_timed( const lw_checker* checker, lw_query* query, const lw
 	if ( checker == NULL || query == NULL || clock == NULL || !isfinite( start ) || !isfinite( end ) || !( start <= end ) ||
 		 !( def->contact_resolution >= 0 ) || def->edge.method != LW_EDGE_CERTIFIED || def->edge.tolerance != NULL ||
 		 !lwi_query_fits( query, checker ) || !lwi_edge_room( checker, query, &w.points, &w.tolerance ) ||
-		 !is_usable( checker, clock, start, end ) )
+		 !is_usable( checker, clock, start, end, w.tolerance ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
