@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Proofs of motions in time, and a look at some states before each.
+#include "timed_motion.hpp"
+
+#include "space.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace leeway::planners
+{
+
+namespace
+{
+
+void need( bool condition, const std::string& sentence )
+{
+	if ( !condition )
+	{
+		throw InputError( "leeway::planners: TimedSettings: " + sentence );
+	}
+}
+
+} // namespace
+
+TimedMotion::TimedMotion( Checker checker, const TimedSettings& settings, const lw_clock& others, Statistics& statistics )
+    : m_checker( std::move( checker ) ), m_settings( settings ), m_statistics( statistics )
+{
+	need( static_cast<bool>( m_checker ), "no checker" );
+	const std::size_t n = settings.variables.size();
+	need( settings.velocity.size() == n, "give a velocity for each variable" );
+	need( settings.tolerance.empty() || settings.tolerance.size() == n,
+	    "tolerance has to be empty, or one for each variable" );
+	need( settings.lag >= 0 && std::isfinite( settings.lag ), "lag has to be finite and at least 0" );
+	need( others.rest != nullptr, "the tracks of others need `rest`" );
+	m_tracks.assign( others.tracks, others.tracks + others.track_count );
+	m_rest.assign( others.rest, others.rest + lw_checker_variable_count( m_checker.get() ) );
+	m_state.resize( m_rest.size() );
+	m_points.assign( 2 * n, 0.0 );
+	for ( std::size_t i = 0; i < n; ++i )
+	{
+		const double given = settings.tolerance.empty() ? 0 : settings.tolerance[i];
+		m_wide.push_back( given + settings.lag * settings.velocity[i] );
+	}
+	m_pieces = { { 0, 1, 1, m_points.data() } };
+	lw_track own = {};
+	own.variables = settings.variables.data();
+	own.variable_count = static_cast<std::uint32_t>( n );
+	own.pieces = m_pieces.data();
+	own.piece_count = 1;
+	own.tolerance = m_wide.data();
+	m_tracks.push_back( own );
+	m_clock = { m_tracks.data(), static_cast<std::uint32_t>( m_tracks.size() ), m_rest.data() };
+	lw_diag diag = {};
+	const bool usable = lw_clock_check( m_checker.get(), &m_clock, &diag ) == LW_OK;
+	need( usable, diag.message );
+}
+
+void TimedMotion::begin( lw_query* query )
+{
+	m_query = query;
+	m_status = LW_OK;
+	lw_query_reset( query );
+}
+
+double TimedMotion::least( const double* a, const double* b ) const
+{
+	double longest = 0;
+	for ( std::size_t i = 0; i < m_settings.velocity.size(); ++i )
+	{
+		longest = std::max( longest, std::abs( b[i] - a[i] ) / m_settings.velocity[i] );
+	}
+	return longest;
+}
+
+void TimedMotion::findBounds( std::vector<double>& lower, std::vector<double>& upper ) const
+{
+	const std::size_t n = m_settings.variables.size();
+	need( m_settings.lower.size() == m_settings.upper.size() && ( m_settings.lower.empty() || m_settings.lower.size() == n ),
+	    "lower and upper have to be empty, or one for each variable" );
+	lower = m_settings.lower;
+	upper = m_settings.upper;
+	const lw_robot* robot = lw_checker_robot( m_checker.get() );
+	for ( std::size_t i = 0; i < n && m_settings.lower.empty(); ++i )
+	{
+		const lw_variable_info info =
+		    lw_robot_variable( robot, lw_checker_variable( m_checker.get(), m_settings.variables[i] ) );
+		lower.push_back( info.wraps ? -0.5 * full_turn : info.lower );
+		upper.push_back( info.wraps ? 0.5 * full_turn : info.upper );
+	}
+	for ( std::size_t i = 0; i < n; ++i )
+	{
+		need( std::isfinite( lower[i] ) && std::isfinite( upper[i] ) && lower[i] <= upper[i],
+		    "variable " + std::to_string( m_settings.variables[i] ) + " has no finite bounds; give lower and upper" );
+	}
+}
+
+double TimedMotion::othersEnd() const
+{
+	double end = m_settings.start_time;
+	for ( std::size_t i = 0; i + 1 < m_tracks.size(); ++i )
+	{
+		end = std::max( end, m_tracks[i].pieces[m_tracks[i].piece_count - 1].end + m_tracks[i].lag );
+	}
+	return end;
+}
+
+/// Three states inside of the motion; proves nothing.
+bool TimedMotion::seemsFree( double from, double to )
+{
+	for ( const double share : { 0.5, 0.25, 0.75 } )
+	{
+		bool free = false;
+		++m_statistics.states;
+		const lw_status status = lw_clock_state( m_checker.get(), &m_clock, from + share * ( to - from ), m_state.data() );
+		m_status = m_status != LW_OK ? m_status : status;
+		const lw_status checked = lw_checker_is_free( m_checker.get(), m_query, m_state.data(), m_settings.timed.edge.flags,
+		    m_settings.timed.edge.min_d, &free, nullptr );
+		m_status = m_status != LW_OK ? m_status : checked;
+		m_statistics.states_free += free;
+		if ( !free )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+bool TimedMotion::prove( double from, double to )
+{
+	++m_statistics.edges;
+	const lw_status status = lw_checker_timed( m_checker.get(), m_query, &m_clock, from, to, &m_settings.timed, &m_last );
+	m_status = m_status != LW_OK ? m_status : status;
+	m_statistics.edge_queries += m_last.queries;
+	m_statistics.free += m_last.verdict == LW_VERDICT_FREE;
+	m_statistics.blocked += m_last.verdict == LW_VERDICT_BLOCKED;
+	m_statistics.undecided += m_last.verdict == LW_VERDICT_UNDECIDED;
+	return m_status == LW_OK && m_last.verdict == LW_VERDICT_FREE;
+}
+
+bool TimedMotion::isFree( const double* a, double from, const double* b, double to )
+{
+	if ( !( to > from ) )
+	{
+		return false;
+	}
+	const std::size_t n = m_settings.variables.size();
+	std::copy_n( a, n, m_points.begin() );
+	std::copy_n( b, n, m_points.begin() + static_cast<std::ptrdiff_t>( n ) );
+	m_pieces.assign( 1, { from, to, 1, m_points.data() } );
+	m_tracks.back().pieces = m_pieces.data();
+	m_tracks.back().piece_count = 1;
+	m_tracks.back().tolerance = m_wide.data();
+	m_tracks.back().lag = 0; // in the tolerance
+	return seemsFree( from, to ) && prove( from, to );
+}
+
+bool TimedMotion::isRestFree( const double* q, double from, double to )
+{
+	m_points.resize( 2 * m_settings.variables.size() );
+	std::copy_n( q, m_settings.variables.size(), m_points.begin() );
+	m_pieces.assign( 1, { from, std::max( to, from + 1 ), 0, m_points.data() } );
+	m_tracks.back().pieces = m_pieces.data();
+	m_tracks.back().piece_count = 1;
+	m_tracks.back().tolerance = m_wide.data();
+	m_tracks.back().lag = 0;
+	return prove( from, std::max( from, to ) );
+}
+
+bool TimedMotion::isPathFree( const TimedPath& path, double from, double to )
+{
+	m_pieces.clear();
+	for ( std::size_t i = 1; i < path.count(); ++i )
+	{
+		m_pieces.push_back( { path.times[i - 1], path.times[i], 1, path[i - 1] } );
+	}
+	m_tracks.back().pieces = m_pieces.data();
+	m_tracks.back().piece_count = static_cast<std::uint32_t>( m_pieces.size() );
+	m_tracks.back().tolerance = m_settings.tolerance.empty() ? nullptr : m_settings.tolerance.data();
+	m_tracks.back().lag = m_settings.lag;
+	return prove( from, to );
+}
+
+std::string TimedMotion::lastPair() const
+{
+	if ( m_last.pair.kind == LW_CLEARANCE_UNKNOWN )
+	{
+		return "no pair is named";
+	}
+	const lw_robot* robot = lw_checker_robot( m_checker.get() );
+	const lw_scene* scene = lw_checker_scene( m_checker.get() );
+	const std::string a = lw_robot_link_name( robot, m_last.pair.a );
+	const std::string b =
+	    m_last.self ? lw_robot_link_name( robot, m_last.pair.b ) : lw_scene_object_name( scene, m_last.pair.b );
+	return a + " and " + b + ", at " + std::to_string( m_last.time ) + " s";
+}
+
+} // namespace leeway::planners

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Motions of the planned variables beside tracks that are known, asked and counted.
+#pragma once
+
+#include "leeway/planners/timed_planner.hpp"
+
+#include <string>
+#include <vector>
+
+namespace leeway::planners
+{
+
+class TimedMotion
+{
+public:
+	/// @param settings must outlive it @throws InputError
+	TimedMotion( Checker checker, const TimedSettings& settings, const lw_clock& others, Statistics& statistics );
+
+	/// @param query of this search; its warm starts are dropped
+	void begin( lw_query* query );
+
+	/// Seconds from one state to another at full speed.
+	double least( const double* a, const double* b ) const;
+	/// Bounds of the settings, or of the joints. @throws InputError
+	void findBounds( std::vector<double>& lower, std::vector<double>& upper ) const;
+	/// Seconds: all given tracks rest from then on.
+	double othersEnd() const;
+
+	/// A straight motion. Its tolerance has the lag at full speed, so that motions one after the other are proved together, too.
+	bool isFree( const double* a, double from, const double* b, double to );
+	bool isRestFree( const double* q, double from, double to );
+	/// All motions of a path and the rest behind it, with the lag as it is.
+	bool isPathFree( const TimedPath& path, double from, double to );
+
+	/// "a and b", of the last motion that was not free.
+	std::string lastPair() const;
+	/// An error of the checker; after it no answer is "free".
+	lw_status status() const { return m_status; }
+
+private:
+	bool seemsFree( double from, double to );
+	bool prove( double from, double to );
+
+	Checker m_checker;
+	const TimedSettings& m_settings;
+	Statistics& m_statistics;
+	lw_query* m_query = nullptr;
+	std::vector<lw_track> m_tracks; ///< those that are given, then that which is planned
+	std::vector<double> m_rest, m_state, m_points, m_wide;
+	std::vector<lw_timed_piece> m_pieces;
+	lw_clock m_clock{};
+	lw_timed_result m_last{};
+	lw_status m_status = LW_OK;
+};
+
+} // namespace leeway::planners

@@ -1,0 +1,444 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Plans in space and time: each path is looked at densely by an evaluation of its own, with exact distances.
+#include "clock_world.hpp"
+#include "leeway/planners/timed_planner.hpp"
+#include "one_obstacle.hpp"
+#include "sanitized.hpp"
+#include "simple_shapes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace
+{
+
+using namespace leeway::planners;
+
+constexpr double radius = 0.2;
+
+/// Balls that shift along x and y, each without neighbours that it may touch.
+RobotPtr balls( int count )
+{
+	RobotModel model;
+	model.link( "world" );
+	for ( int i = 0; i < count; ++i )
+	{
+		const std::string name = "b" + std::to_string( i );
+		addJoint( model, ( name + "x" ).c_str(), LW_JOINT_PRISMATIC, 0, 0 );
+		addJoint( model, ( name + "y" ).c_str(), LW_JOINT_PRISMATIC, static_cast<std::uint32_t>( 2 * i + 1 ), 1 );
+		for ( std::size_t k = model.joints.size() - 2; k < model.joints.size(); ++k )
+		{
+			model.joints[k].lower = -3;
+			model.joints[k].upper = 3;
+		}
+		model.body( static_cast<std::uint32_t>( 2 * i + 2 ), primitive( LW_SHAPE_SPHERE, radius ), lw_transform_identity() );
+	}
+	return model.create();
+}
+
+/// A ball in front of a wall with a gap, and behind the gap a gate that shifts along y. Variables: x and y of the ball, y of the gate.
+struct Gate
+{
+	RobotPtr robot;
+	leeway::Scene scene;
+
+	Gate()
+	{
+		RobotModel model;
+		model.link( "world" );
+		addJoint( model, "x", LW_JOINT_PRISMATIC, 0, 0 );
+		addJoint( model, "y", LW_JOINT_PRISMATIC, 1, 1 );
+		addJoint( model, "gate", LW_JOINT_PRISMATIC, 0, 1 );
+		model.body( 2, primitive( LW_SHAPE_SPHERE, radius ), lw_transform_identity() );
+		model.body( 3, primitive( LW_SHAPE_BOX, 0.1, 1.2, 1 ), along( 0.25, 0 ) );
+		for ( lw_joint_def& joint : model.joints )
+		{
+			joint.lower = -2;
+			joint.upper = 2;
+		}
+		robot = model.create();
+		const ShapePtr wall( primitive( LW_SHAPE_BOX, 0.1, 2, 1 ) );
+		const char* names[] = { "left", "right" };
+		const lw_scene_shape_def shapes[] = { { wall.get(), 0, along( 0, 1.4 ) }, { wall.get(), 1, along( 0, -1.4 ) } };
+		lw_scene_def def = lw_scene_def_default();
+		def.object_names = names;
+		def.object_count = 2;
+		def.shapes = shapes;
+		def.shape_count = 2;
+		lw_scene* made = nullptr;
+		leeway::require( lw_scene_create( &def, nullptr, nullptr, &made ), "the walls" );
+		scene = leeway::Scene::adopt( made );
+	}
+
+	static lw_transform along( double x, double y )
+	{
+		lw_transform at = lw_transform_identity();
+		at.t[0] = x;
+		at.t[1] = y;
+		return at;
+	}
+
+	/// The gate opens from 5 to 7 s.
+	static OwnedClock clock()
+	{
+		OwnedClock clock;
+		clock.rest = { 0, 0, 0 };
+		OwnedTrack gate;
+		gate.variables = { 2 };
+		gate.pieces = { { 5, 7, 1, { 0, 2 } } };
+		clock.tracks = { gate };
+		return clock;
+	}
+};
+
+OwnedTrack trackOf( const TimedPath& path, const std::vector<std::uint32_t>& variables )
+{
+	OwnedTrack track;
+	track.variables = variables;
+	for ( std::size_t i = 1; i < path.count(); ++i )
+	{
+		OwnedPiece piece = { path.times[i - 1], path.times[i], 1, {} };
+		piece.points.assign( path[i - 1], path[i - 1] + 2 * path.dimension );
+		track.pieces.push_back( piece );
+	}
+	return track;
+}
+
+struct Place
+{
+	double time, x, y;
+};
+
+/// Goes straight from place to place.
+OwnedTrack going( std::uint32_t ball, const std::vector<Place>& places )
+{
+	OwnedTrack track;
+	track.variables = { 2 * ball, 2 * ball + 1 };
+	for ( std::size_t i = 1; i < places.size(); ++i )
+	{
+		const Place &a = places[i - 1], &b = places[i];
+		track.pieces.push_back( { a.time, b.time, 1, { a.x, a.y, b.x, b.y } } );
+	}
+	return track;
+}
+
+TimedSettings settingsFor( std::uint32_t ball, double deadline )
+{
+	TimedSettings settings;
+	settings.variables = { 2 * ball, 2 * ball + 1 };
+	settings.velocity = { 1, 1 };
+	settings.deadline = deadline;
+	return settings;
+}
+
+/// The least clearance of all tracks between two times, by states 4 ms apart.
+double leastClearance( const lw_robot* robot, const lw_scene* scene, const OwnedClock& clock, double from, double to )
+{
+	std::vector<std::uint32_t> all;
+	for ( std::uint32_t i = 0; i < clock.rest.size(); ++i )
+	{
+		all.push_back( i );
+	}
+	EdgeAuditor auditor( robot, scene, all, clock.rest.data() );
+	double least = INFINITY;
+	for ( double t = from; t <= to; t += 0.004 )
+	{
+		std::vector<double> q = clock.rest;
+		for ( const OwnedTrack& track : clock.tracks )
+		{
+			for ( std::size_t i = 0; i < track.variables.size(); ++i )
+			{
+				q[track.variables[i]] = track.at( i, t );
+			}
+		}
+		least = std::min( least, auditor.clearance( q.data() ) );
+	}
+	return least;
+}
+
+void expectUsable( const TimedPath& path, const TimedSettings& settings, const double* start, const double* goal )
+{
+	ASSERT_GE( path.count(), 2u );
+	EXPECT_EQ( path.times.front(), settings.start_time );
+	EXPECT_LE( path.times.back(), settings.deadline + 1e-9 );
+	for ( std::size_t v = 0; v < path.dimension; ++v )
+	{
+		EXPECT_EQ( path[0][v], start[v] );
+		EXPECT_EQ( path[path.count() - 1][v], goal[v] );
+		for ( std::size_t i = 1; i < path.count(); ++i )
+		{
+			EXPECT_GT( path.times[i], path.times[i - 1] );
+			EXPECT_LE( std::abs( path[i][v] - path[i - 1][v] ),
+			    settings.velocity[v] * ( path.times[i] - path.times[i - 1] ) * ( 1 + 1e-9 ) );
+		}
+	}
+}
+
+Stop seconds( double time )
+{
+	Stop stop;
+	stop.seconds = time;
+	return stop;
+}
+
+} // namespace
+
+TEST( TimedPlanner, WaitsAtAGateThatOpensAndNotMuchLonger )
+{
+	const Gate gate;
+	const ClockBench bench( gate.robot.get(), gate.scene.get(), false );
+	for ( const std::uint64_t seed : { 1, 2, 3 } )
+	{
+		OwnedClock clock = Gate::clock();
+		TimedSettings settings = settingsFor( 0, 20 );
+		settings.seed = seed;
+		const double start[] = { -1, 0 }, goal[] = { 1, 0 };
+		TimedPlanner planner( bench.checker, settings, clock.view() );
+		planner.setStart( start );
+		planner.addGoal( goal );
+		ASSERT_EQ( planner.solve( bench.query.get(), seconds( 60 ) ), Outcome::SOLVED ) << planner.endProblem();
+		expectUsable( planner.path(), settings, start, goal );
+		EXPECT_GT( planner.path().times.back(), 5 );
+		EXPECT_LT( planner.path().times.back(), 9 );
+		clock.tracks.push_back( trackOf( planner.path(), settings.variables ) );
+		EXPECT_GT( leastClearance( gate.robot.get(), gate.scene.get(), clock, 0, 20 ), 0 );
+	}
+}
+
+TEST( TimedPlanner, SaysSoIfTheGateOpensTooLate )
+{
+	const Gate gate;
+	const ClockBench bench( gate.robot.get(), gate.scene.get(), false );
+	OwnedClock clock = Gate::clock();
+	const double start[] = { -1, 0 }, goal[] = { 1, 0 };
+	TimedPlanner late( bench.checker, settingsFor( 0, 5 ), clock.view() );
+	late.setStart( start );
+	late.addGoal( goal );
+	EXPECT_EQ( late.solve( bench.query.get(), seconds( 0.3 ) ), Outcome::TIMED_OUT );
+	EXPECT_EQ( late.path().count(), 0u );
+	TimedPlanner slow( bench.checker, settingsFor( 0, 1.9 ), clock.view() );
+	slow.setStart( start );
+	slow.addGoal( goal );
+	EXPECT_EQ( slow.solve( bench.query.get(), seconds( 60 ) ), Outcome::NO_GOAL );
+	EXPECT_NE( slow.endProblem().find( "full speed" ), std::string::npos ) << slow.endProblem();
+}
+
+// Another ball comes through the goal at 8 s, and through the start at -1.
+TEST( TimedPlanner, ArrivesOnlyWhereItMayStay )
+{
+	const RobotPtr robot = balls( 2 );
+	const ClockBench bench( robot.get(), nullptr, false );
+	OwnedClock clock;
+	clock.rest = { 0, 0, 0, 0 };
+	clock.tracks = { going( 1, { { 0, 1, -2 }, { 6, 1, -2 }, { 10, 1, 2 } } ) };
+	const double start[] = { -1, 0 }, goal[] = { 1, 0 };
+	TimedSettings settings = settingsFor( 0, 5 );
+	TimedPlanner stays( bench.checker, settings, clock.view() );
+	stays.setStart( start );
+	stays.addGoal( goal );
+	EXPECT_EQ( stays.solve( bench.query.get(), seconds( 60 ) ), Outcome::NO_GOAL );
+	EXPECT_NE( stays.endProblem().find( "cannot rest" ), std::string::npos ) << stays.endProblem();
+	settings.hold_until = 5;
+	TimedPlanner goes_on( bench.checker, settings, clock.view() );
+	goes_on.setStart( start );
+	goes_on.addGoal( goal );
+	EXPECT_EQ( goes_on.solve( bench.query.get(), seconds( 60 ) ), Outcome::SOLVED ) << goes_on.endProblem();
+	settings.hold_until = std::numeric_limits<double>::quiet_NaN();
+	settings.deadline = 14;
+	TimedPlanner later( bench.checker, settings, clock.view() );
+	later.setStart( start );
+	later.addGoal( goal );
+	ASSERT_EQ( later.solve( bench.query.get(), seconds( 60 ) ), Outcome::SOLVED ) << later.endProblem();
+	EXPECT_GT( later.path().times.back(), 8 );
+}
+
+// Balls pass in front of the goal one after the other, at random speeds; the controller is late by up to 30 ms and 1 cm off.
+TEST( TimedPlanner, PathsThroughTrafficSurviveADenseLook )
+{
+	SeededRng rng;
+	int solved = 0;
+	for ( int i = 0; i < unlessSanitized( 25, 3 ); ++i )
+	{
+		const int count = rng.integer( 2, 6 );
+		const RobotPtr robot = balls( count );
+		const ClockBench bench( robot.get(), nullptr, i % 2 == 0 );
+		OwnedClock clock;
+		clock.rest.assign( 2 * static_cast<std::size_t>( count ), 0.0 );
+		for ( int k = 1; k < count; ++k )
+		{
+			const double x = -1.1 + 0.45 * k, begin = rng.uniform( 0, 3 ), side = rng.integer( 0, 1 ) ? 1 : -1;
+			clock.tracks.push_back( going( static_cast<std::uint32_t>( k ),
+			    { { begin, x, -2.5 * side + 0.01 * k }, { begin + rng.uniform( 1, 6 ), x, 2.5 * side } } ) );
+		}
+		TimedSettings settings = settingsFor( 0, 12 );
+		settings.tolerance = { 0.01, 0.01 };
+		settings.lag = 0.03;
+		settings.seed = static_cast<std::uint64_t>( i );
+		const double start[] = { -2, 0 }, goal[] = { 2, 0 };
+		clock.rest[0] = -2;
+		TimedPlanner planner( bench.checker, settings, clock.view() );
+		planner.setStart( start );
+		planner.addGoal( goal );
+		const Outcome outcome = planner.solve( bench.query.get(), seconds( 5 ) );
+		if ( outcome != Outcome::SOLVED )
+		{
+			continue;
+		}
+		++solved;
+		expectUsable( planner.path(), settings, start, goal );
+		clock.tracks.push_back( trackOf( planner.path(), settings.variables ) );
+		for ( const double late : { -0.03, 0.0, 0.03 } )
+		{
+			for ( const double off : { -0.01, 0.01 } )
+			{
+				OwnedClock moved = clock;
+				for ( OwnedPiece& piece : moved.tracks.back().pieces )
+				{
+					piece.start += late;
+					piece.end += late;
+					for ( double& value : piece.points )
+					{
+						value += off;
+					}
+				}
+				EXPECT_GT( leastClearance( robot.get(), nullptr, moved, 0, 13 ), 0 ) << "late " << late << ", off " << off;
+			}
+		}
+	}
+	std::printf( "%d solved\n", solved );
+	EXPECT_GE( solved, unlessSanitized( 15, 1 ) );
+}
+
+TEST( TimedPlanner, EqualSeedsGiveEqualPaths )
+{
+	const Gate gate;
+	const ClockBench bench( gate.robot.get(), gate.scene.get(), false );
+	TimedPath paths[2];
+	for ( TimedPath& path : paths )
+	{
+		OwnedClock clock = Gate::clock();
+		TimedSettings settings = settingsFor( 0, 20 );
+		settings.seed = 7;
+		const double start[] = { -1, 1 }, goal[] = { 1, -1 };
+		TimedPlanner planner( bench.checker, settings, clock.view() );
+		planner.setStart( start );
+		planner.addGoal( goal );
+		ASSERT_EQ( planner.solve( bench.query.get(), seconds( 60 ) ), Outcome::SOLVED ) << planner.endProblem();
+		path = planner.path();
+	}
+	EXPECT_EQ( paths[0].times, paths[1].times );
+	EXPECT_EQ( paths[0].values, paths[1].values );
+}
+
+TEST( TimedPlanner, RefusesWhatItCannotUse )
+{
+	const Gate gate;
+	const ClockBench bench( gate.robot.get(), gate.scene.get(), false );
+	OwnedClock clock = Gate::clock();
+	const auto refused = [&]( const TimedSettings& settings, const char* words )
+	{
+		try
+		{
+			TimedPlanner planner( bench.checker, settings, clock.view() );
+			ADD_FAILURE() << words;
+		}
+		catch ( const InputError& error )
+		{
+			EXPECT_NE( std::string( error.what() ).find( words ), std::string::npos ) << error.what();
+		}
+	};
+	const TimedSettings good = settingsFor( 0, 20 );
+	TimedSettings bad = good;
+	bad.velocity = { 1 };
+	refused( bad, "velocity" );
+	bad = good;
+	bad.velocity = { 1, 0 };
+	refused( bad, "velocities" );
+	bad = good;
+	bad.deadline = 0;
+	refused( bad, "deadline" );
+	bad = good;
+	bad.variables = { 0, 2 };
+	refused( bad, "both move variable 2" );
+	bad = good;
+	bad.tolerance = { -1, 0 };
+	refused( bad, "tolerance" );
+	bad = good;
+	bad.lag = NAN;
+	refused( bad, "lag" );
+	bad = good;
+	bad.lower = { 0 };
+	bad.upper = { 1 };
+	refused( bad, "lower and upper" );
+	TimedPlanner planner( bench.checker, good, clock.view() );
+	const double outside[] = { 5, 0 };
+	EXPECT_THROW( planner.setStart( outside ), InputError );
+	EXPECT_THROW( planner.solve( bench.query.get() ), InputError );
+}
+
+namespace
+{
+
+TimedRobot robotOf( std::uint32_t ball, std::vector<double> start, std::vector<double> goal )
+{
+	TimedRobot robot;
+	robot.name = "ball " + std::to_string( ball );
+	robot.variables = { 2 * ball, 2 * ball + 1 };
+	robot.velocity = { 1, 1 };
+	robot.lower = { -3, -3 };
+	robot.upper = { 3, 3 };
+	robot.start = std::move( start );
+	robot.goals = { std::move( goal ) };
+	return robot;
+}
+
+void expectFree( const RobotPtr& robot, const SchedulePlan& plan, const std::vector<TimedRobot>& robots )
+{
+	OwnedClock clock;
+	clock.rest.assign( 2 * robots.size(), 0.0 );
+	for ( std::size_t r = 0; r < robots.size(); ++r )
+	{
+		clock.tracks.push_back( trackOf( plan.paths[r], robots[r].variables ) );
+	}
+	EXPECT_GT( leastClearance( robot.get(), nullptr, clock, 0, 20 ), 0 );
+}
+
+} // namespace
+
+// The second ball rests in the goal of the first: only it can go first.
+TEST( SchedulePlanner, FindsTheOnlyOrderThatWorks )
+{
+	const RobotPtr robot = balls( 2 );
+	const ClockBench bench( robot.get(), nullptr, false );
+	const std::vector<TimedRobot> robots = { robotOf( 0, { -2, 0 }, { 1, 0 } ), robotOf( 1, { 1, 0 }, { 1, 2 } ) };
+	OwnedClock clock;
+	clock.rest.assign( 4, 0.0 );
+	ScheduleSettings settings;
+	settings.timed.deadline = 15;
+	settings.search_seconds = 0.5;
+	const SchedulePlan plan = planSchedule( bench.checker, bench.query.get(), robots, clock.view(), settings );
+	ASSERT_EQ( plan.outcome, Outcome::SOLVED ) << plan.problem;
+	EXPECT_EQ( plan.order, ( std::vector<std::size_t>{ 1, 0 } ) );
+	EXPECT_EQ( plan.proof.verdict, LW_VERDICT_FREE );
+	expectFree( robot, plan, robots );
+}
+
+// Two balls in each other's goals: neither can go first while the other one stands there.
+TEST( SchedulePlanner, TogetherTwoRobotsChangePlaces )
+{
+	const RobotPtr robot = balls( 2 );
+	const ClockBench bench( robot.get(), nullptr, false );
+	const std::vector<TimedRobot> robots = { robotOf( 0, { -1, 0 }, { 1, 0 } ), robotOf( 1, { 1, 0 }, { -1, 0 } ) };
+	OwnedClock clock;
+	clock.rest.assign( 4, 0.0 );
+	ScheduleSettings settings;
+	settings.timed.deadline = 15;
+	settings.search_seconds = 0.2;
+	SchedulePlan plan = planSchedule( bench.checker, bench.query.get(), robots, clock.view(), settings );
+	EXPECT_NE( plan.outcome, Outcome::SOLVED );
+	EXPECT_FALSE( plan.problem.empty() );
+	settings.together = true;
+	settings.search_seconds = 60;
+	plan = planSchedule( bench.checker, bench.query.get(), robots, clock.view(), settings );
+	ASSERT_EQ( plan.outcome, Outcome::SOLVED ) << plan.problem;
+	expectFree( robot, plan, robots );
+}
