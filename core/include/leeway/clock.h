@@ -19,8 +19,8 @@ typedef struct lw_timed_piece
 /// pieces, and after its last one a track rests at the next or last value.
 typedef struct lw_track
 {
-	const uint32_t* variables; ///< [variable_count] indices into the group's variables
-	uint32_t variable_count;   ///< >= 1
+	const uint32_t* variables;    ///< [variable_count] indices into the group's variables
+	uint32_t variable_count;      ///< >= 1
 	const lw_timed_piece* pieces; ///< [piece_count] in the order of time; each begins where or after the one before ends
 	uint32_t piece_count;         ///< >= 1
 	/// Seconds, >= 0: the controller may be early or late by up to this, at each time differently.
@@ -61,17 +61,17 @@ typedef struct lw_timed_result
 	/// UNDECIDED: as of lw_edge_result; the tolerance there is that of lags, tolerances and spreads around `time`.
 	/// UNKNOWN: an error.
 	lw_verdict verdict;
-	double time;         ///< seconds, of the contact or undecided verdict; the end if FREE
+	double time; ///< seconds, of the contact or undecided verdict; the end if FREE
 	/// Seconds: FREE's claim holds from the start of the interval to here; the end if FREE. With contact_resolution, or with
 	/// edge.want_proved_until; else the start. BLOCKED with contact_resolution: at least time - contact_resolution, but where the
 	/// motions go along a contact within the slack.
 	double proved_until;
 	bool by_spread;
-	bool self;           ///< as lw_edge_result::self
-	lw_clearance pair;   ///< the deciding clearance at `time`, without spreads
-	double lower_bound;  ///< FREE: metres, > min_d, proved, of all clearances; else 0
-	uint32_t pieces;     ///< curves that were proved or tried
-	uint64_t queries;    ///< states at which distances were measured
+	bool self;          ///< as lw_edge_result::self
+	lw_clearance pair;  ///< the deciding clearance at `time`, without spreads
+	double lower_bound; ///< FREE: metres, > min_d, proved, of all clearances; else 0
+	uint32_t pieces;    ///< curves that were proved or tried
+	uint64_t queries;   ///< states at which distances were measured
 } lw_timed_result;
 
 /// Checks the tracks of a clock: orders, sizes, jumps.
@@ -94,8 +94,8 @@ LW_API lw_status lw_clock_state( const lw_checker* checker, const lw_clock* cloc
 /// Cost: that of lw_checker_curve() for each part of the interval on which no track begins another piece. Where lags and spreads leave
 /// a part undecided it is halved, up to 12 times. contact_resolution: some 10 parts more.
 /// Method: core/docs/clock.md.
-LW_API lw_status lw_checker_timed( const lw_checker* checker, lw_query* query, const lw_clock* clock, double start, double end,
-	const lw_timed_def* def, lw_timed_result* out );
+LW_API lw_status lw_checker_timed( const lw_checker* checker, lw_query* query, const lw_clock* clock, double start,
+	double end, const lw_timed_def* def, lw_timed_result* out );
 
 LW_EXTERN_C_END
 
