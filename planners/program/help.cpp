@@ -51,11 +51,9 @@ Examples:
 const char* const footer =
     R"(Help of one subcommand: leeway SUBCOMMAND --help; with all options and file formats: leeway SUBCOMMAND --help-all.
 
-Units: metres, radians, seconds. Results go to --out or to standard output; notices, progress and errors go to
-standard error. Result files are written completely or not at all.
+Units: metres, radians, seconds. Results go to --out or to standard output, completely or not at all; others to stderr.
 
-Verdicts: FREE: proved. BLOCKED: a clearance at or below --min-d was found. UNDECIDED: neither; the clearance lies in a
-stated band just above --min-d.
+Verdicts: FREE: proved. BLOCKED: a clearance at or below --min-d was found. UNDECIDED: neither; it is in a band just above.
 
 Exit status: 0 = yes; 1 = no (a state or edge that is not FREE, no path, an invalid path, an SRDF that disables pairs
 that can collide); 2 = error, with one line "leeway: error: <file>: <element>: <problem>; <remedy>".)";

@@ -162,9 +162,9 @@ void readWorld( const CommonOptions& options, io::LoadOptions load, Input& input
 	input.robot_seconds = now() - start;
 	input.robot = input.world->robot;
 	input.scene = input.world->scene;
-	for ( const io::WorldPart& part : input.world->parts )
+	for ( const std::string& file : input.world->files )
 	{
-		readsFile( "a motion of --world", part.motion_file );
+		readsFile( "a file of --world", file );
 	}
 }
 

@@ -86,5 +86,11 @@ TEST( EdgeTube, SpheresOfLongEdgesLeaveRoomForTheTube )
 		edge.tolerance = much;
 		ASSERT_EQ( lw_checker_edge( checker.get(), query.get(), from, to, &edge, &result ), LW_OK );
 		EXPECT_EQ( result.verdict, LW_VERDICT_UNDECIDED ) << post_is_link;
+		// A motion of no length is all proved, or nothing of it is
+		const double near_by[2] = { 0.7, 0 };
+		edge.want_proved_until = true;
+		ASSERT_EQ( lw_checker_edge( checker.get(), query.get(), near_by, near_by, &edge, &result ), LW_OK );
+		EXPECT_EQ( result.verdict, LW_VERDICT_UNDECIDED ) << post_is_link;
+		EXPECT_EQ( result.proved_until, 0 ) << post_is_link;
 	}
 }

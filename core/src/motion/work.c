@@ -370,7 +370,8 @@ static bool is_enough( const lwi_edge* e, double proved, uint32_t enough )
 
 double lwi_edge_proved_run( lwi_edge* e )
 {
-	if ( !( lwi_edge_static_lower( e ) > e->def->min_d ) )
+	// Where nothing moves the one state that is not proved is all of the path: its tolerance may fail although the state is free
+	if ( !( lwi_edge_static_lower( e ) > e->def->min_d ) || !( e->path.longest > 0 ) )
 	{
 		return 0;
 	}

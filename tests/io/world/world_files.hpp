@@ -8,16 +8,16 @@
 #include <map>
 
 /// An arm with two revolute joints, a finger that mimics the second, and an SRDF with a group and a state; a cart on a rail.
-class WorldTest : public FileTest
+class WorldFileTest : public FileTest
 {
 protected:
-	WorldTest()
+	WorldFileTest()
 	{
 		const std::string box = "<collision><geometry><box size='0.3 0.06 0.06'/></geometry></collision>";
 		const std::string limits = "<limit lower='-2' upper='2' effort='1' velocity='1'/>";
 		write( "arm.urdf",
-		    "<robot name='arm'><link name='base'>" + box + "</link><link name='upper'>" + box + "</link><link name='fore'>" + box +
-		        "</link><link name='finger'>" + box +
+		    "<robot name='arm'><link name='base'>" + box + "</link><link name='upper'>" + box + "</link><link name='fore'>" +
+		        box + "</link><link name='finger'>" + box +
 		        "</link><joint name='shoulder' type='revolute'><origin xyz='0.1 0 0.2' rpy='0.3 0 0'/><parent link='base'/><child "
 		        "link='upper'/><axis xyz='0 0 1'/>" +
 		        limits +
@@ -33,8 +33,8 @@ protected:
 		    "name='elbow' value='-0.25'/></group_state><disable_collisions link1='base' link2='upper' reason='Adjacent'/></robot>" );
 		write( "cart.urdf",
 		    "<robot name='cart'><link name='rail'/><link name='cart'>" + box +
-		        "</link><joint name='slide' type='prismatic'><parent link='rail'/><child link='cart'/><axis xyz='1 0 0'/>" + limits +
-		        "</joint></robot>" );
+		        "</link><joint name='slide' type='prismatic'><parent link='rail'/><child link='cart'/><axis xyz='1 0 0'/>" +
+		        limits + "</joint></robot>" );
 	}
 
 	leeway::io::WorldModel load( const std::string& body )

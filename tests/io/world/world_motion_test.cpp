@@ -74,7 +74,9 @@ Quaternion slerp( const Quaternion& a, Quaternion b, double s )
 	Quaternion out;
 	for ( std::size_t i = 0; i < 4; ++i )
 	{
-		out[i] = angle < 1e-9 ? a[i] : ( std::sin( ( 1 - s ) * angle ) * a[i] + sign * std::sin( s * angle ) * b[i] ) / std::sin( angle );
+		out[i] = angle < 1e-9
+		             ? a[i]
+		             : ( std::sin( ( 1 - s ) * angle ) * a[i] + sign * std::sin( s * angle ) * b[i] ) / std::sin( angle );
 	}
 	return out;
 }
@@ -101,7 +103,8 @@ lw_transform screwed( const lw_transform& pose, const Vector& axis, const Vector
 	const auto rotate = [&]( const Vector& v )
 	{
 		const double along = axis[0] * v[0] + axis[1] * v[1] + axis[2] * v[2];
-		const Vector cross = { axis[1] * v[2] - axis[2] * v[1], axis[2] * v[0] - axis[0] * v[2], axis[0] * v[1] - axis[1] * v[0] };
+		const Vector cross = {
+		    axis[1] * v[2] - axis[2] * v[1], axis[2] * v[0] - axis[0] * v[2], axis[0] * v[1] - axis[1] * v[0] };
 		Vector r;
 		for ( std::size_t i = 0; i < 3; ++i )
 		{
@@ -135,7 +138,7 @@ std::string text( const Quaternion& q )
 	return fmt::format( "[{}, {}, {}, {}]", q[0], q[1], q[2], q[3] );
 }
 
-class WorldMotionTest : public WorldTest
+class WorldMotionTest : public WorldFileTest
 {
 protected:
 	WorldModel loadObject( const std::string& more )
@@ -184,11 +187,13 @@ TEST_F( WorldMotionTest, AnObjectIsElsewhereThanItsPiecesSay )
 		Vector position = randomVector( random );
 		Quaternion orientation;
 		random.quaternion( orientation.data() );
-		const std::string pose = fmt::format( "pose: {{position: {}, orientation: {}}}", text( position ), text( orientation ) );
+		const std::string pose =
+		    fmt::format( "pose: {{position: {}, orientation: {}}}", text( position ), text( orientation ) );
 		std::string motion;
 		for ( int i = 0; i < 5; ++i )
 		{
-			Known known{ random.integer( 0, 3 ), poseOfQuaternion( position, orientation ), orientation, orientation, { position }, {}, {}, 0, 0 };
+			Known known{ random.integer( 0, 3 ), poseOfQuaternion( position, orientation ), orientation, orientation,
+			    { position }, {}, {}, 0, 0 };
 			motion += fmt::format( "{}{{start: {}, end: {}, ", i > 0 ? ", " : "", 2 * i, 2 * i + 1.5 );
 			if ( known.kind == 3 )
 			{
@@ -199,7 +204,8 @@ TEST_F( WorldMotionTest, AnObjectIsElsewhereThanItsPiecesSay )
 				known.point = randomVector( random );
 				known.angle = random.uniform( -5, 5 );
 				known.shift = random.uniform( -1, 1 );
-				motion += fmt::format( "turn: {{axis: {}, point: {}, angle: {}, shift: {}}}}}", text( known.axis ), text( known.point ), known.angle, known.shift );
+				motion += fmt::format( "turn: {{axis: {}, point: {}, angle: {}, shift: {}}}}}", text( known.axis ),
+				    text( known.point ), known.angle, known.shift );
 				const lw_transform end = screwed( known.from, known.axis, known.point, known.angle, known.shift );
 				lw_transform_to_quaternion( &end, orientation.data() );
 				position = { end.t[0], end.t[1], end.t[2] };
@@ -233,13 +239,16 @@ TEST_F( WorldMotionTest, AnObjectIsElsewhereThanItsPiecesSay )
 			const int i = static_cast<int>( std::fmin( 4, std::fmax( 0, std::floor( time / 2 ) ) ) );
 			const Known& known = pieces[static_cast<std::size_t>( i )];
 			const double s = std::fmin( 1, std::fmax( 0, ( time - 2 * i ) / 1.5 ) );
-			const lw_transform expected = known.kind == 3 ? screwed( known.from, known.axis, known.point, s * known.angle, s * known.shift )
-			                                              : poseOfQuaternion( bezier( known.points, s ), slerp( known.a, known.b, s ) );
-			expectNear( poseAt( world, time ), expected, 1e-8, fmt::format( "round {}, {} s, kind {}", round, time, known.kind ) );
+			const lw_transform expected =
+			    known.kind == 3 ? screwed( known.from, known.axis, known.point, s * known.angle, s * known.shift )
+			                    : poseOfQuaternion( bezier( known.points, s ), slerp( known.a, known.b, s ) );
+			expectNear(
+			    poseAt( world, time ), expected, 1e-8, fmt::format( "round {}, {} s, kind {}", round, time, known.kind ) );
 		}
 		for ( const JointModel& joint : world.robot.joints ) // limits contain the motion
 		{
-			for ( double time = 0; joint.type == LW_JOINT_PRISMATIC && time < 11; time += 0.23 )
+			for ( double time = 0; joint.name.rfind( "box/", 0 ) == 0 && joint.type != LW_JOINT_FIXED && time < 11;
+			      time += 0.23 )
 			{
 				const double value = valuesAt( world.part( "box" ), time ).at( joint.name );
 				EXPECT_TRUE( value >= joint.lower - 1e-12 && value <= joint.upper + 1e-12 ) << joint.name;
@@ -250,18 +259,26 @@ TEST_F( WorldMotionTest, AnObjectIsElsewhereThanItsPiecesSay )
 
 TEST_F( WorldMotionTest, AnObjectHasJointsThatItDoesNotNeed )
 {
-	const auto names = [&]( const std::string& motion ) { return loadObject( "motion: [" + motion + "]" ).part( "box" ).variables; };
+	const auto names = [&]( const std::string& motion )
+	{ return loadObject( "motion: [" + motion + "]" ).part( "box" ).variables; };
 	using Names = std::vector<std::string>;
 	EXPECT_EQ( names( "{start: 0, end: 1, position: [0, 2, 0]}" ), ( Names{ "box/y" } ) );
 	EXPECT_EQ( names( "{start: 0, end: 1, position: [1, 0, 3]}" ), ( Names{ "box/x", "box/z" } ) );
 	EXPECT_EQ( names( "{start: 0, end: 1, orientation: [0, 0, 1, 1]}" ), ( Names{ "box/turn1" } ) );
-	EXPECT_EQ( names( "{start: 0, end: 1, orientation: [0, 0, 1, 1]}, {start: 1, end: 2, orientation: [0, 0, 0, 1]}" ), ( Names{ "box/turn1" } ) );
-	EXPECT_EQ( names( "{start: 0, end: 1, turn: {axis: [0, 0, 1], angle: 1}}, {start: 1, end: 2, turn: {axis: [1, 0, 0], angle: 1}}, "
-	                  "{start: 2, end: 3, turn: {axis: [1, 0, 0], angle: -1}}, {start: 3, end: 4, turn: {axis: [0, 0, -2], angle: 1}}" ),
-	    ( Names{ "box/turn1", "box/turn2" } ) );
-	EXPECT_EQ( names( "{start: 0, end: 1, turn: {axis: [0, 0, 1], point: [1, 0, 0], angle: 1}}, {start: 1, end: 2, turn: {axis: [0, 0, 1], point: [1, 0, 7], angle: 1}}" ),
+	EXPECT_EQ( names( "{start: 0, end: 1, orientation: [0, 0, 1, 1]}, {start: 1, end: 2, orientation: [0, 0, 0, 1]}" ),
 	    ( Names{ "box/turn1" } ) );
-	EXPECT_EQ( names( "{start: 0, end: 1, turn: {axis: [0, 0, 1], point: [1, 0, 0], angle: 1}}, {start: 1, end: 2, turn: {axis: [0, 0, 1], angle: 1}}" ),
+	EXPECT_EQ(
+	    names(
+	        "{start: 0, end: 1, turn: {axis: [0, 0, 1], angle: 1}}, {start: 1, end: 2, turn: {axis: [1, 0, 0], angle: 1}}, "
+	        "{start: 2, end: 3, turn: {axis: [1, 0, 0], angle: -1}}, {start: 3, end: 4, turn: {axis: [0, 0, -2], angle: 1}}" ),
+	    ( Names{ "box/turn1", "box/turn2" } ) );
+	EXPECT_EQ(
+	    names(
+	        "{start: 0, end: 1, turn: {axis: [0, 0, 1], point: [1, 0, 0], angle: 1}}, {start: 1, end: 2, turn: {axis: [0, 0, 1], point: [1, 0, 7], angle: 1}}" ),
+	    ( Names{ "box/turn1" } ) );
+	EXPECT_EQ(
+	    names(
+	        "{start: 0, end: 1, turn: {axis: [0, 0, 1], point: [1, 0, 0], angle: 1}}, {start: 1, end: 2, turn: {axis: [0, 0, 1], angle: 1}}" ),
 	    ( Names{ "box/turn1", "box/turn2" } ) );
 	const WorldModel still = loadObject( "motion: [{start: 0, end: 1, position: [0, 0, 0]}]" );
 	EXPECT_THROW( still.part( "box" ), Error );
@@ -270,8 +287,9 @@ TEST_F( WorldMotionTest, AnObjectHasJointsThatItDoesNotNeed )
 
 TEST_F( WorldMotionTest, LimitsAreWiderThanTheMotion )
 {
-	const WorldModel world = loadObject( "pose: {position: [5, 0, 0]}, motion: [{start: 0, end: 1, position: [7, 0, 0]}, {start: 1, end: 2, position: [4, 0, 0]}, "
-	                                     "{start: 2, end: 3, turn: {axis: [0, 0, 1], angle: -0.5}}]" );
+	const WorldModel world = loadObject(
+	    "pose: {position: [5, 0, 0]}, motion: [{start: 0, end: 1, position: [7, 0, 0]}, {start: 1, end: 2, position: [4, 0, 0]}, "
+	    "{start: 2, end: 3, turn: {axis: [0, 0, 1], angle: -0.5}}]" );
 	EXPECT_EQ( jointOf( world, "box/x" ).lower, -1 );
 	EXPECT_EQ( jointOf( world, "box/x" ).upper, 2 );
 	EXPECT_NEAR( jointOf( world, "box/turn1" ).lower, -0.5, 1e-15 );
@@ -285,8 +303,9 @@ TEST_F( WorldMotionTest, ALoopTurnsBackAtItsEnd )
 	const double corners[5][2] = { { 0, 0 }, { 2, 0 }, { 2, 2 }, { 0, 2 }, { 0, 0 } };
 	for ( int i = 0; i < 4; ++i )
 	{
-		motion += fmt::format( "{}{{start: {}, end: {}, position: [{}, {}, 0]}}, {{start: {}, end: {}, turn: {{axis: [0, 0, 1], angle: {}}}}}", i > 0 ? ", " : "",
-		    2 * i, 2 * i + 1, corners[i + 1][0], corners[i + 1][1], 2 * i + 1, 2 * i + 2, pi / 2 );
+		motion += fmt::format(
+		    "{}{{start: {}, end: {}, position: [{}, {}, 0]}}, {{start: {}, end: {}, turn: {{axis: [0, 0, 1], angle: {}}}}}",
+		    i > 0 ? ", " : "", 2 * i, 2 * i + 1, corners[i + 1][0], corners[i + 1][1], 2 * i + 1, 2 * i + 2, pi / 2 );
 	}
 	const WorldPart part = loadObject( "motion: [" + motion + "], repeat: 9" ).part( "box" );
 	EXPECT_EQ( part.period, 9 );
@@ -308,7 +327,9 @@ TEST_F( WorldMotionTest, ASpreadHasNoJointToShift )
 	EXPECT_EQ( part.spread_speed, 1.6 );
 	EXPECT_EQ( part.spread_start, 2 );
 	EXPECT_NO_THROW( buildProblem( world.robot, worldProblem( world ) ) );
-	EXPECT_EQ( loadObject( "unknown_motion: {speed: 1}, motion: [{start: 0, end: 1, position: [0, 0, 1]}]" ).part( "box" ).variables,
+	EXPECT_EQ( loadObject( "unknown_motion: {speed: 1}, motion: [{start: 0, end: 1, position: [0, 0, 1]}]" )
+	               .part( "box" )
+	               .variables,
 	    ( std::vector<std::string>{ "box/x", "box/z" } ) );
 }
 
@@ -319,10 +340,12 @@ TEST_F( WorldMotionTest, ABadMotionIsTakenAsItIs )
 		parts.insert( parts.end(), { "cell.yaml", "objects[0] box" } );
 		expectError( [&] { loadObject( more ); }, parts );
 	};
-	const auto piece = [&]( const std::string& more, const std::vector<std::string>& parts ) { bad( "motion: [{start: 0, end: 1, " + more + "}]", parts ); };
+	const auto piece = [&]( const std::string& more, const std::vector<std::string>& parts )
+	{ bad( "motion: [{start: 0, end: 1, " + more + "}]", parts ); };
 	piece( "points: [[0, 0, 0.5], [1, 0, 0]]", { "motion[0].points[0]", "jumps: it is 0.5 m" } );
 	piece( "points: [[0, 0, 0]]", { "motion[0].points", "1 control points" } );
-	piece( "points: [[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,1]]", { "motion[0].points", "degree 8", "2 to 8 points" } );
+	piece( "points: [[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,1]]",
+	    { "motion[0].points", "degree 8", "2 to 8 points" } );
 	piece( "points: [[0, 0, 0], [1, 0]]", { "motion[0].points[1]", "has 2 numbers" } );
 	piece( "position: [1, 0, 0], points: [[0, 0, 0], [1, 0, 0]]", { "motion[0]", "two motions" } );
 	piece( "turn: {axis: [0, 0, 1], angle: 1}, orientation: [0, 0, 0, 1]", { "motion[0]", "two motions" } );
@@ -334,11 +357,15 @@ TEST_F( WorldMotionTest, ABadMotionIsTakenAsItIs )
 	piece( "position: [1, 0, .nan]", { "motion[0].position", "not finite" } );
 	bad( "motion: [{start: 0, end: 1}]", { "motion[0]", "has no motion" } );
 	bad( "motion: [{start: 1, end: 1, position: [1, 0, 0]}]", { "motion[0]", "the clock runs backwards" } );
-	bad( "motion: [{start: 0, end: 2, position: [1, 0, 0]}, {start: 1, end: 3, position: [0, 0, 0]}]", { "motion[1]", "before the end of the one before, 2 s" } );
+	bad( "motion: [{start: 0, end: 2, position: [1, 0, 0]}, {start: 1, end: 3, position: [0, 0, 0]}]",
+	    { "motion[1]", "before the end of the one before, 2 s" } );
 	bad( "motion: [{start: 0, end: 2, position: [1, 0, 0]}], repeat: 3", { "repeat", "does not close", "1 m" } );
-	bad( "motion: [{start: 0, end: 2, orientation: [0, 0, 1, 1]}], repeat: 3", { "repeat", "does not close", "1.5708 rad" } );
-	bad( "motion: [{start: 0, end: 1, position: [1, 0, 0]}, {start: 1, end: 2, position: [0, 0, 0]}], repeat: 1", { "repeat", "shorter than the motion" } );
-	bad( "motion: [{start: 0, end: 1, turn: {axis: [0, 0, 1], angle: 1.5}}, {start: 1, end: 2, turn: {axis: [1, 0, 0], angle: 1.5}}, {start: 2, end: 3, orientation: [0, 0, 0, 1]}], repeat: 4",
+	bad(
+	    "motion: [{start: 0, end: 2, orientation: [0, 0, 1, 1]}], repeat: 3", { "repeat", "does not close", "1.5708 rad" } );
+	bad( "motion: [{start: 0, end: 1, position: [1, 0, 0]}, {start: 1, end: 2, position: [0, 0, 0]}], repeat: 1",
+	    { "repeat", "shorter than the motion" } );
+	bad(
+	    "motion: [{start: 0, end: 1, turn: {axis: [0, 0, 1], angle: 1.5}}, {start: 1, end: 2, turn: {axis: [1, 0, 0], angle: 1.5}}, {start: 2, end: 3, orientation: [0, 0, 0, 1]}], repeat: 4",
 	    { "repeat", "another axis" } );
 	bad( "repeat: 1", { "repeat", "no motion to repeat" } );
 	bad( "unknown_motion: {speed: 0}", { "unknown_motion.speed", "not above 0" } );
@@ -351,16 +378,18 @@ TEST_F( WorldMotionTest, ABadMotionIsTakenAsItIs )
 	object( "shapes: [{type: box, dimensions: [1, 1]}]", { "shapes[0].dimensions", "2 numbers" } );
 	object( "shapes: [{type: mesh, resource: none.stl}]", { "shapes[0]", "none.stl" } );
 	object( "shapes: [{type: box, dimensions: [1, 1, 1], radius: 1}]", { "shapes[0].radius", "not known" } );
-	object( "shapes: [{type: plane, coef: [0, 0, 1, 0]}], motion: [{start: 0, end: 1, position: [1, 0, 0]}]", { "shapes[0]", "plane cannot move" } );
+	object( "shapes: [{type: plane, coef: [0, 0, 1, 0]}], motion: [{start: 0, end: 1, position: [1, 0, 0]}]",
+	    { "shapes[0]", "plane cannot move" } );
 }
 
 TEST_F( WorldMotionTest, ShapesOfAnObjectAreOthersThanInAScene )
 {
 	writeTetrahedron( "t.obj" );
-	const WorldModel world = load( "robots: [{name: left, robot: arm.urdf}]\nobjects:\n  - name: all\n    pose: {position: [1, 0, 0]}\n    shapes:\n"
-	                               "      - {type: box, dimensions: [1, 2, 3], pose: {position: [0, 1, 0]}}\n      - {type: cylinder, dimensions: [1, 0.2]}\n"
-	                               "      - {type: cone, dimensions: [1, 0.2]}\n      - {type: mesh, resource: t.obj, scale: [2, 2, 2], solid: true}\n"
-	                               "      - {type: spheres, spheres: [[0, 0, 0, 0.1]]}\n      - {type: plane, coef: [0, 0, 1, 0], solid: true}\n" );
+	const WorldModel world = load(
+	    "robots: [{name: left, robot: arm.urdf}]\nobjects:\n  - name: every\n    pose: {position: [1, 0, 0]}\n    shapes:\n"
+	    "      - {type: box, dimensions: [1, 2, 3], pose: {position: [0, 1, 0]}}\n      - {type: cylinder, dimensions: [1, 0.2]}\n"
+	    "      - {type: cone, dimensions: [1, 0.2]}\n      - {type: mesh, resource: t.obj, scale: [2, 2, 2], solid: true}\n"
+	    "      - {type: spheres, spheres: [[0, 0, 0, 0.1]]}\n      - {type: plane, coef: [0, 0, 1, 0], solid: true}\n" );
 	const std::vector<PlacedShape>& shapes = world.scene->objects.at( 0 ).shapes;
 	ASSERT_EQ( shapes.size(), 6u );
 	EXPECT_EQ( shapes[0].pose.t[0], 1 );

@@ -12,12 +12,13 @@ using namespace leeway::io;
 namespace
 {
 
-const std::string two_arms = "robots:\n"
-                             "  - {name: left, robot: arm.urdf, srdf: arm.srdf, base: {position: [0, 0.5, 0.1], orientation: [0.1, 0.2, 0.3, 0.9]}, "
-                             "state: up, tolerance: 0.002, lag: 0.02}\n"
-                             "  - {name: right, robot: arm.urdf, srdf: arm.srdf, base: {position: [1, -0.5, 0]}, state: {elbow: 0.7}, tolerance: "
-                             "{shoulder: 0.01}}\n"
-                             "  - {name: cart, robot: cart.urdf, base: {position: [0, 3, 0]}}\n";
+const std::string two_arms =
+    "robots:\n"
+    "  - {name: left, robot: arm.urdf, srdf: arm.srdf, base: {position: [0, 0.5, 0.1], orientation: [0.1, 0.2, 0.3, 0.9]}, "
+    "state: up, tolerance: 0.002, lag: 0.02}\n"
+    "  - {name: right, robot: arm.urdf, srdf: arm.srdf, base: {position: [1, -0.5, 0]}, state: {elbow: 0.7}, tolerance: "
+    "{shoulder: 0.01}}\n"
+    "  - {name: cart, robot: cart.urdf, base: {position: [0, 3, 0]}}\n";
 const std::string ball = "shapes: [{type: sphere, dimensions: [0.1]}]";
 
 std::vector<std::string> namesOf( const std::vector<Group>& groups )
@@ -39,8 +40,8 @@ const LinkModel& linkOf( const RobotModel& model, const std::string& name )
 
 bool isDisabled( const RobotModel& model, const std::string& a, const std::string& b )
 {
-	return std::any_of( model.disabled.begin(), model.disabled.end(), [&]( const DisabledPair& pair )
-	    { return std::minmax( pair.link1, pair.link2 ) == std::minmax( a, b ); } );
+	return std::any_of( model.disabled.begin(), model.disabled.end(),
+	    [&]( const DisabledPair& pair ) { return std::minmax( pair.link1, pair.link2 ) == std::minmax( a, b ); } );
 }
 
 bool isAllowed( const WorldModel& world, const std::string& a, const std::string& b )
@@ -50,12 +51,13 @@ bool isAllowed( const WorldModel& world, const std::string& a, const std::string
 
 } // namespace
 
-TEST_F( WorldTest, ARobotStandsElsewhereThanItsBase )
+TEST_F( WorldFileTest, ARobotStandsElsewhereThanItsBase )
 {
 	const WorldModel world = load( two_arms );
 	const RobotModel alone = loadRobot( path( "arm.urdf" ), path( "arm.srdf" ) );
 	lw_transform bases[2];
-	const double positions[2][3] = { { 0, 0.5, 0.1 }, { 1, -0.5, 0 } }, turns[2][4] = { { 0.1, 0.2, 0.3, 0.9 }, { 0, 0, 0, 1 } };
+	const double positions[2][3] = { { 0, 0.5, 0.1 }, { 1, -0.5, 0 } },
+	             turns[2][4] = { { 0.1, 0.2, 0.3, 0.9 }, { 0, 0, 0, 1 } };
 	SeededRng random;
 	for ( int i = 0; i < 2; ++i )
 	{
@@ -76,19 +78,21 @@ TEST_F( WorldTest, ARobotStandsElsewhereThanItsBase )
 		{
 			for ( const char* link : { "floor", "base", "upper", "fore", "finger" } )
 			{
-				const lw_transform there = poseOf( alone, own[i], link ), expected = lw_transform_multiply( &bases[i], &there );
+				const lw_transform there = poseOf( alone, own[i], link ),
+				                   expected = lw_transform_multiply( &bases[i], &there );
 				expectNear( poseOf( world.robot, values, names[i] + "/" + link ), expected, 1e-12, names[i] + "/" + link );
 			}
 		}
 	}
 }
 
-TEST_F( WorldTest, NamesGroupsAndStatesLoseTheirRobot )
+TEST_F( WorldFileTest, NamesGroupsAndStatesLoseTheirRobot )
 {
 	const WorldModel world = load( two_arms );
 	EXPECT_EQ( world.robot.root_link, "world" );
 	EXPECT_EQ( world.robot.planning_frame, "world" );
-	EXPECT_EQ( namesOf( world.robot.groups ), ( std::vector<std::string>{ "left", "left/whole", "right", "right/whole", "cart", "all" } ) );
+	EXPECT_EQ( namesOf( world.robot.groups ),
+	    ( std::vector<std::string>{ "left", "left/whole", "right", "right/whole", "cart", "all" } ) );
 	EXPECT_EQ( world.robot.useGroup( "left/whole" ).joints, ( std::vector<std::string>{ "left/shoulder", "left/elbow" } ) );
 	EXPECT_EQ( world.robot.useGroup( "right" ).joints, ( std::vector<std::string>{ "right/shoulder", "right/elbow" } ) );
 	EXPECT_EQ( world.robot.useGroup( "all" ).joints.size(), 5u );
@@ -97,7 +101,7 @@ TEST_F( WorldTest, NamesGroupsAndStatesLoseTheirRobot )
 	EXPECT_FALSE( isDisabled( world.robot, "left/base", "right/upper" ) );
 }
 
-TEST_F( WorldTest, StateToleranceAndLagGoToAnotherPart )
+TEST_F( WorldFileTest, StateToleranceAndLagGoToAnotherPart )
 {
 	const WorldModel world = load( two_arms );
 	ASSERT_EQ( world.parts.size(), 3u );
@@ -116,10 +120,11 @@ TEST_F( WorldTest, StateToleranceAndLagGoToAnotherPart )
 	EXPECT_EQ( buildProblem( world.robot, {} ).reference, problem.reference );
 }
 
-TEST_F( WorldTest, TheSameRobotTwiceHasItsShapesTwice )
+TEST_F( WorldFileTest, TheSameRobotTwiceHasItsShapesTwice )
 {
 	const WorldModel world = load( two_arms );
-	EXPECT_EQ( linkOf( world.robot, "left/fore" ).collision.at( 0 ).shape.get(), linkOf( world.robot, "right/fore" ).collision.at( 0 ).shape.get() );
+	EXPECT_EQ( linkOf( world.robot, "left/fore" ).collision.at( 0 ).shape.get(),
+	    linkOf( world.robot, "right/fore" ).collision.at( 0 ).shape.get() );
 	const auto owner = [&]( const std::string& name )
 	{
 		return *std::find_if( world.robot.report.shapes.begin(), world.robot.report.shapes.end(),
@@ -129,16 +134,18 @@ TEST_F( WorldTest, TheSameRobotTwiceHasItsShapesTwice )
 	EXPECT_TRUE( owner( "right/fore" ).shared );
 }
 
-TEST_F( WorldTest, RobotsPassThroughEachOther )
+TEST_F( WorldFileTest, RobotsPassThroughEachOther )
 {
-	const WorldModel world = load( "robots:\n  - {name: a, robot: arm.urdf, srdf: arm.srdf}\n  - {name: b, robot: arm.urdf, srdf: arm.srdf, base: {position: "
-	                               "[0, 2, 0]}}\n" );
+	const WorldModel world = load(
+	    "robots:\n  - {name: a, robot: arm.urdf, srdf: arm.srdf}\n  - {name: b, robot: arm.urdf, srdf: arm.srdf, base: {position: "
+	    "[0, 2, 0]}}\n" );
 	const Problem problem = buildProblem( world.robot, worldProblem( world ) );
 	const leeway::Query query = leeway::makeQuery( problem.checker.get() );
 	lw_state_result result;
 	const auto clearance = [&]( const std::vector<double>& q )
 	{
-		EXPECT_EQ( lw_checker_state( problem.checker.get(), query.get(), q.data(), LW_CHECK_SELF, nullptr, false, &result ), LW_OK );
+		EXPECT_EQ( lw_checker_state( problem.checker.get(), query.get(), q.data(), LW_CHECK_SELF, nullptr, false, &result ),
+		    LW_OK );
 		return result.self.lower;
 	};
 	EXPECT_LT( clearance( { 0, 0, 0, 0 } ), 2 );
@@ -148,15 +155,20 @@ TEST_F( WorldTest, RobotsPassThroughEachOther )
 	const Problem inside = buildProblem( same.robot, worldProblem( same ) );
 	const leeway::Query own = leeway::makeQuery( inside.checker.get() );
 	const std::vector<double> q( 4, 0.0 );
-	ASSERT_EQ( lw_checker_state( inside.checker.get(), own.get(), q.data(), LW_CHECK_SELF, nullptr, false, &result ), LW_OK );
+	ASSERT_EQ(
+	    lw_checker_state( inside.checker.get(), own.get(), q.data(), LW_CHECK_SELF, nullptr, false, &result ), LW_OK );
 	EXPECT_LE( result.self.upper, 0 );
 }
 
-TEST_F( WorldTest, AnObjectThatRestsIsLeftOut )
+TEST_F( WorldFileTest, AnObjectThatRestsIsLeftOut )
 {
-	write( "scene.yaml", "world: {collision_objects: [{id: wall, pose: {position: [5, 0, 0]}, primitives: [{type: box, dimensions: [0.1, 1, 1]}]}]}\n" );
-	const std::string body = two_arms + "objects:\n  - {name: table, pose: {position: [0, 0, 2]}, shapes: [{type: box, dimensions: [1, 1, 0.1], pose: {position: [0, 0, 0.5]}}]}\n"
-	                                    "  - {name: box, " + ball + ", motion: [{start: 0, end: 1, position: [1, 0, 0]}]}\n";
+	write( "scene.yaml",
+	    "world: {collision_objects: [{id: wall, pose: {position: [5, 0, 0]}, primitives: [{type: box, dimensions: [0.1, 1, 1]}]}]}\n" );
+	const std::string body =
+	    two_arms +
+	    "objects:\n  - {name: table, pose: {position: [0, 0, 2]}, shapes: [{type: box, dimensions: [1, 1, 0.1], pose: {position: [0, 0, 0.5]}}]}\n"
+	    "  - {name: box, " +
+	    ball + ", motion: [{start: 0, end: 1, position: [1, 0, 0]}]}\n";
 	for ( const bool with_scene : { false, true } )
 	{
 		const WorldModel world = load( body + ( with_scene ? "scene: scene.yaml\n" : "" ) );
@@ -173,11 +185,13 @@ TEST_F( WorldTest, AnObjectThatRestsIsLeftOut )
 	}
 }
 
-TEST_F( WorldTest, AWorldIsNoRobot )
+TEST_F( WorldFileTest, AWorldIsNoRobot )
 {
-	const std::string body = two_arms + "objects:\n  - {name: table, pose: {position: [0, 0, 2]}, " + ball + "}\n  - {name: box, " + ball +
-	                         ", motion: [{start: 0, end: 1, position: [1, 0, 0]}]}\nscene: scene.yaml\nallowed: [[left/fore, table]]\n";
-	write( "scene.yaml", "world: {collision_objects: [{id: wall, primitives: [{type: sphere, dimensions: [0.1]}], primitive_poses: [{position: [9, 0, 0]}]}]}\n" );
+	const std::string body =
+	    two_arms + "objects:\n  - {name: table, pose: {position: [0, 0, 2]}, " + ball + "}\n  - {name: box, " + ball +
+	    ", motion: [{start: 0, end: 1, position: [1, 0, 0]}]}\nscene: scene.yaml\nallowed: [[left/fore, table]]\n";
+	write( "scene.yaml",
+	    "world: {collision_objects: [{id: wall, primitives: [{type: sphere, dimensions: [0.1]}], primitive_poses: [{position: [9, 0, 0]}]}]}\n" );
 	load( body );
 	const RobotModel robot = loadRobot( path( "cell.yaml" ), "" );
 	EXPECT_EQ( poseOf( robot, {}, "table" ).t[2], 2 ) << "what rests must not vanish";
@@ -185,33 +199,38 @@ TEST_F( WorldTest, AWorldIsNoRobot )
 	EXPECT_TRUE( isDisabled( robot, "box", "table" ) );
 	EXPECT_TRUE( isDisabled( robot, "left/fore", "table" ) );
 	EXPECT_TRUE( hasNotice( robot.report.notices, "is no part of the robot" ) );
-	write( "both.srdf", "<robot name='cell'><group name='both'><joint name='left/shoulder'/><joint name='right/shoulder'/></group></robot>" );
+	write( "both.srdf",
+	    "<robot name='cell'><group name='both'><joint name='left/shoulder'/><joint name='right/shoulder'/></group></robot>" );
 	const RobotModel grouped = loadRobot( path( "cell.yaml" ), path( "both.srdf" ) );
 	EXPECT_EQ( grouped.useGroup( "both" ).joints.size(), 2u );
 	EXPECT_TRUE( isDisabled( grouped, "box", "table" ) );
 }
 
-TEST_F( WorldTest, AllowedPairsAreChecked )
+TEST_F( WorldFileTest, AllowedPairsAreChecked )
 {
-	const WorldModel world = load( two_arms + "objects:\n  - {name: table, " + ball + "}\nallowed: [[left/base, right/base], [table, left/base]]\n" );
+	const WorldModel world = load(
+	    two_arms + "objects:\n  - {name: table, " + ball + "}\nallowed: [[left/base, right/base], [table, left/base]]\n" );
 	EXPECT_TRUE( isDisabled( world.robot, "left/base", "right/base" ) );
 	EXPECT_TRUE( isAllowed( world, "table", "left/base" ) );
 	EXPECT_EQ( buildProblem( world.robot, worldProblem( world ) ).allowed.size(), 1u );
 }
 
-TEST_F( WorldTest, APlanarBaseForgetsItsPlace )
+TEST_F( WorldFileTest, APlanarBaseForgetsItsPlace )
 {
-	write( "drive.srdf", "<robot name='arm'><virtual_joint name='drive' type='planar' parent_frame='odom' child_link='base'/></robot>" );
-	const WorldModel world = load( "robots:\n  - {name: agv, robot: arm.urdf, srdf: drive.srdf, base: {position: [2, 0, 0], orientation: [0, 0, 1, 0]}, "
-	                               "state: {drive/x: 0.5, elbow: 0}}\n" );
+	write( "drive.srdf",
+	    "<robot name='arm'><virtual_joint name='drive' type='planar' parent_frame='odom' child_link='base'/></robot>" );
+	const WorldModel world = load(
+	    "robots:\n  - {name: agv, robot: arm.urdf, srdf: drive.srdf, base: {position: [2, 0, 0], orientation: [0, 0, 1, 0]}, "
+	    "state: {drive/x: 0.5, elbow: 0}}\n" );
 	EXPECT_EQ( world.parts.at( 0 ).variables.size(), 5u );
 	EXPECT_NEAR( poseOf( world.robot, world.state().values, "agv/base" ).t[0], 1.5, 1e-12 );
 	EXPECT_EQ( poseOf( world.robot, world.state().values, "agv/odom" ).t[0], 2 );
 }
 
-TEST_F( WorldTest, ARobotIsExpandedThatOnlyAFileNames )
+TEST_F( WorldFileTest, ARobotIsExpandedThatOnlyAFileNames )
 {
-	write( "arm.xacro", "<robot name='a' xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:property name='x' value='1'/><link name='${x}'/></robot>" );
+	write( "arm.xacro",
+	    "<robot name='a' xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:property name='x' value='1'/><link name='${x}'/></robot>" );
 	LoadOptions options;
 	options.expand_xacro = []( const std::string& ) -> ExpandedRobot { throw std::logic_error( "ran" ); };
 	write( "cell.yaml", "leeway_world: 1\nrobots: [{name: a, robot: arm.xacro}]\n" );
@@ -219,7 +238,7 @@ TEST_F( WorldTest, ARobotIsExpandedThatOnlyAFileNames )
 	expectError( [&] { loadRobot( path( "cell.yaml" ), "", options ); }, { "arm.xacro", "xacro" } );
 }
 
-TEST_F( WorldTest, ABadRobotIsTakenAsItIs )
+TEST_F( WorldFileTest, ABadRobotIsTakenAsItIs )
 {
 	const auto bad = [&]( const std::string& body, std::vector<std::string> parts )
 	{
@@ -243,31 +262,36 @@ TEST_F( WorldTest, ABadRobotIsTakenAsItIs )
 	robot( "lagg: 1", { "robots[0] left.lagg", "is lag meant" } );
 	robot( "lag: -0.1", { "robots[0] left.lag", "-0.1 is negative" } );
 	robot( "lag: .inf", { "robots[0] left.lag", "not finite" } );
-	robot( "base: {position: [0, 0, 0], orientation: [0, 0, 0, 0]}", { "robots[0] left.base.orientation", "quaternion is zero" } );
+	robot( "base: {position: [0, 0, 0], orientation: [0, 0, 0, 0]}",
+	    { "robots[0] left.base.orientation", "quaternion is zero" } );
 	robot( "base: {position: [0, 0]}", { "robots[0] left.base.position", "has 2 numbers" } );
 	robot( "state: {elbo: 1}", { "robots[0] left.state", "no joint elbo", "elbow" } );
 	robot( "state: {grip: 1}", { "robots[0] left.state", "no joint grip" } );
-	expectError( [&] { load( "robots: [{name: a, robot: arm.urdf, srdf: arm.srdf, state: down}]\n" ); }, { "arm.srdf", "down", "up" } );
+	expectError( [&] { load( "robots: [{name: a, robot: arm.urdf, srdf: arm.srdf, state: down}]\n" ); },
+	    { "arm.srdf", "down", "up" } );
 	robot( "tolerance: -1", { "robots[0] left.tolerance", "negative" } );
 	robot( "tolerance: {elbow: -1}", { "robots[0] left.tolerance", "elbow is negative" } );
 	robot( "tolerance: {wrist: 1}", { "robots[0] left.tolerance", "no joint wrist" } );
 	robot( "motion_start: 1", { "robots[0] left.motion_start", "no motion" } );
 	robot( "motion: none.json", { "robots[0] left.motion", "none.json" } );
-	robot( "state: {elbow: 0}}, {name: b, robot: cart.urdf, state: up", { "cart.urdf", "up" } );
+	expectError( [&] { load( "robots: [{name: b, robot: cart.urdf, state: up}]\n" ); }, { "cart.urdf", "no such state" } );
 	bad( two_arms + "allowed: [[left/base, right/bse]]\n", { "allowed[0][1]", "right/bse" } );
 	bad( two_arms + "allowed: [[left/base]]\n", { "allowed[0]", "1 names, not 2" } );
-	EXPECT_TRUE( hasNotice( load( "robots: [{name: a, robot: arm.urdf, state: {elbow: 3}}]\n" ).robot.report.notices, "outside of its limits" ) );
+	EXPECT_TRUE( hasNotice( load( "robots: [{name: a, robot: arm.urdf, state: {elbow: 3}}]\n" ).robot.report.notices,
+	    "outside of its limits" ) );
 }
 
-TEST_F( WorldTest, AFloatingBaseHasATolerance )
+TEST_F( WorldFileTest, AFloatingBaseHasATolerance )
 {
-	write( "fly.srdf", "<robot name='arm'><virtual_joint name='fly' type='floating' parent_frame='air' child_link='base'/></robot>" );
-	expectError( [&] { load( "robots: [{name: a, robot: arm.urdf, srdf: fly.srdf, tolerance: 0.1}]\n" ); }, { "robots[0] a.tolerance", "quaternion" } );
+	write( "fly.srdf",
+	    "<robot name='arm'><virtual_joint name='fly' type='floating' parent_frame='air' child_link='base'/></robot>" );
+	expectError( [&] { load( "robots: [{name: a, robot: arm.urdf, srdf: fly.srdf, tolerance: 0.1}]\n" ); },
+	    { "robots[0] a.tolerance", "quaternion" } );
 	const WorldModel world = load( "robots: [{name: a, robot: arm.urdf, srdf: fly.srdf, tolerance: {fly/trans_x: 0.1}}]\n" );
 	EXPECT_EQ( world.parts.at( 0 ).state, ( std::vector<double>{ 0, 0, 0, 0, 0, 0, 1, 0, 0 } ) );
 }
 
-TEST_F( WorldTest, AnotherFormatIsTakenForAWorld )
+TEST_F( WorldFileTest, AnotherFormatIsTakenForAWorld )
 {
 	const auto bad = [&]( const std::string& name, const std::string& content, const std::vector<std::string>& parts )
 	{ expectError( [&] { loadWorld( write( name, content ) ); }, parts ); };

@@ -51,7 +51,8 @@ struct WorldPart
 struct WorldModel
 {
 	std::string file;
-	RobotModel robot;                ///< all robots and moving objects; its report is that of the objects that rest, too
+	std::vector<std::string> files; ///< that it names: robots, SRDFs, motions, the scene; those of shapes are in the reports
+	RobotModel robot;               ///< all robots and moving objects; its report is that of the objects that rest, too
 	std::optional<SceneModel> scene; ///< the scene that the file names, and the objects that rest
 	/// Links and objects of the scene that may touch, for ProblemOptions::allowed: those of the file, and moving objects with all objects.
 	std::vector<std::pair<std::string, std::string>> allowed;

@@ -151,7 +151,9 @@ std::string WorldReader::readName( const YamlNode& node )
 
 std::string WorldReader::find( const char* kind, const YamlNode& uri )
 {
-	return findResource( kind, uri.text(), m_file, uri.place(), m_options, m_world.robot.report.notices );
+	m_world.files.push_back(
+	    findResource( kind, uri.text(), m_file, uri.place(), m_options, m_world.robot.report.notices ) );
+	return m_world.files.back();
 }
 
 // ---- robots ----------------------------------------------------------------------------------------------------------
