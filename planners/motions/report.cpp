@@ -106,4 +106,33 @@ Json toJson( const TrajectoryAudit& audit )
 	return json;
 }
 
+Json toJson( const ScheduleAudit& audit )
+{
+	Json json;
+	json["valid"] = audit.valid();
+	json["from"] = audit.from;
+	json["to"] = audit.to;
+	json["min_d"] = audit.min_d;
+	json["verdict"] = verdictName( audit.verdict );
+	json["lower_bound"] = jsonNumber( audit.lower_bound );
+	json["proved_until"] = audit.proved_until;
+	json["pieces"] = audit.pieces;
+	json["states"] = audit.states;
+	json["seconds"] = audit.seconds;
+	if ( !audit.valid() )
+	{
+		Json& out = json["violation"];
+		out["time"] = audit.time;
+		out["kind"] = audit.self ? "self" : "environment";
+		out["by_unknown_motion"] = audit.by_spread;
+		out["pair"] = { audit.pair.first, audit.pair.second };
+		out["clearance"] = jsonNumber( audit.pair.least() );
+		for ( std::size_t k = 0; k < audit.q.size(); ++k )
+		{
+			out["state"][audit.names[k]] = audit.q[k];
+		}
+	}
+	return json;
+}
+
 } // namespace leeway::motions

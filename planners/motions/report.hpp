@@ -4,6 +4,7 @@
 
 #include "leeway/motions/audit.hpp"
 #include "leeway/motions/roundings.hpp"
+#include "leeway/motions/schedule.hpp"
 #include "leeway/motions/trajectory.hpp"
 #include "motions/json.hpp"
 
@@ -13,5 +14,6 @@ namespace leeway::motions
 Json toJson( const Audit& audit, const AuditSettings& settings );
 Json toJson( const RoundingAudit& audit );
 Json toJson( const TrajectoryAudit& audit );
+Json toJson( const ScheduleAudit& audit );
 
 } // namespace leeway::motions

@@ -332,8 +332,13 @@ std::vector<double> tolerances( const io::Problem& problem, const std::string& f
 std::vector<Segment> segmentsOf(
     const io::Problem& problem, const TrajectoryFile& file, Interpolation interpolation, double begin )
 {
+	return segmentsOf( file, columnsOf( problem, file ), interpolation, begin );
+}
+
+std::vector<Segment> segmentsOf(
+    const TrajectoryFile& file, const std::vector<std::size_t>& columns, Interpolation interpolation, double begin )
+{
 	std::vector<Segment> segments;
-	const std::vector<std::size_t> columns = columnsOf( problem, file );
 	for ( std::size_t i = 0; i + 1 < file.points.size(); ++i )
 	{
 		const TrajectoryPoint &a = file.points[i], &b = file.points[i + 1];

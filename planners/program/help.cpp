@@ -45,16 +45,15 @@ Examples:
   leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --out path.yaml
   leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml
   leeway tune --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --error 5
+  leeway world audit --world cell.yaml
   leeway view --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml --out page.html)";
 
 const char* const footer =
     R"(Help of one subcommand: leeway SUBCOMMAND --help; with all options and file formats: leeway SUBCOMMAND --help-all.
 
-Units: metres, radians, seconds. Results go to --out or to standard output; notices, progress and errors go to
-standard error. Result files are written completely or not at all.
+Units: metres, radians, seconds. Results go to --out or to standard output, completely or not at all; others to stderr.
 
-Verdicts: FREE: proved. BLOCKED: a clearance at or below --min-d was found. UNDECIDED: neither; the clearance lies in a
-stated band just above --min-d.
+Verdicts: FREE: proved. BLOCKED: a clearance at or below --min-d was found. UNDECIDED: neither; it is in a band just above.
 
 Exit status: 0 = yes; 1 = no (a state or edge that is not FREE, no path, an invalid path, an SRDF that disables pairs
 that can collide); 2 = error, with one line "leeway: error: <file>: <element>: <problem>; <remedy>".)";
@@ -233,6 +232,26 @@ A target is for states (--time-per-state: the most accurate setting within it; -
 Work is counted, not timed: the same seed gives the same fronts and, for the same rate, the same proposal. The rate is the
 time of counted work on this machine, measured and printed to two digits; only --time-per-state depends on it. --rate
 fixes it.)" };
+
+const HelpText world_help = {
+    R"(Checks several robots and moving objects of a world file: robots against robots, themselves, objects and the scene.
+
+Examples: leeway world check --world cell.yaml --time 2.5
+          leeway world audit --world cell.yaml --min-d 0.01 --first-contact
+          leeway world edge --world cell.yaml --edges edges.csv --out out.csv
+
+Exit status 0: free; 1: not free; 2: error.)",
+    R"(check: the clearances at one time: the nearest pair of each two robots, of each robot and itself, each moving object, and the scene.
+
+audit: every clearance is proved to stay above --min-d at all times from --from to --to, for all motions that lags, tolerances and unknown
+motions of the file allow. Otherwise the answer names a time, a pair and the state. Loops of objects go on until --to.
+
+edge: edges.csv has the columns start, end (seconds), from:JOINT and to:JOINT, then one motion per line. The robots whose joints are named drive
+straight from number to number in place of their own motions, and all else moves as the file says; their joints without columns stay
+where they are at the start. out.csv: index,verdict,time,proved_until,clearance,pair,by_unknown_motion,states
+
+Joints of robot left are called left/JOINT. Format of the world file: ompl_bridge/docs/worlds.md. Every command reads a world file as --robot, too:
+without times, and without the scene that it names.)" };
 
 const HelpText view_help = {
     R"(Writes one HTML page that any browser opens from disk, without a network: robot, obstacles, a motion with its clearances,

@@ -33,6 +33,7 @@ struct Commands
 	PlanOptions plan;
 	AuditOptions audit;
 	TuneOptions tune;
+	WorldOptions world;
 	ViewOptions view;
 };
 
@@ -326,6 +327,30 @@ CLI::App* addTune( CLI::App& app, TuneOptions& options )
 	return command;
 }
 
+CLI::App* addWorld( CLI::App& app, WorldOptions& options )
+{
+	CLI::App* command = app.add_subcommand( "world", "several robots and objects that move, on one clock" );
+	addHelp( *command, world_help.summary, world_help.details );
+	CommonNeeds needs{ true, false, false, true, true };
+	needs.cell = true;
+	addCommonOptions( *command, options.common, needs );
+	command->add_option( "question", options.question, "check, edge or audit" )->type_name( "check|edge|audit" )->required();
+	command->add_option( "--time", options.time, "check: seconds on the clock (default 0)" )->type_name( "T" );
+	command->add_option( "--from", options.from, "audit: seconds at which the proof begins (default 0)" )->type_name( "T" );
+	command->add_option( "--to", options.to, "audit: seconds at which it ends (default: when the last motion ends)" )
+	    ->type_name( "T" );
+	command->add_flag( "--first-contact", options.first_contact, "audit: when is the first contact, to 1 ms?" );
+	command->add_option( "--edges", options.edges, "edge: table of timed motions" )->type_name( "edges.csv" );
+	command->add_option( "--out", options.out, "edge: table of answers; without it, standard output" )
+	    ->type_name( "out.csv" );
+	rare( command
+	          ->add_option( "--slack", options.slack,
+	              "metres, edge and audit: clearances above --min-d by less than this may be UNDECIDED (default 0.001)" )
+	          ->type_name( "M" ) );
+	command->add_option( "--json", options.json, "check and audit: the answer as JSON" )->type_name( "FILE" );
+	return command;
+}
+
 CLI::App* addView( CLI::App& app, ViewOptions& options )
 {
 	CLI::App* command = app.add_subcommand( "view", "show robot, scene, motion and clearances in one HTML page" );
@@ -431,7 +456,7 @@ int dispatch( const CLI::App& app, Commands& commands )
 	std::vector<std::string> given;
 	for ( const CommonOptions* common : { &commands.info.common, &commands.pairs.common, &commands.spherize.common,
 	          &commands.check.common, &commands.edge.common, &commands.plan.common, &commands.audit.common,
-	          &commands.tune.common, &commands.view.common } )
+	          &commands.tune.common, &commands.world.common, &commands.view.common } )
 	{
 		given.insert( given.end(), common->input_limits.begin(), common->input_limits.end() ); // of one: the chosen
 	}
@@ -485,6 +510,12 @@ int dispatch( const CLI::App& app, Commands& commands )
 		validate( *chosen, commands.tune.common );
 		validate( *chosen, commands.tune );
 		return runTune( commands.tune );
+	}
+	if ( name == "world" )
+	{
+		validate( *chosen, commands.world.common );
+		validate( *chosen, commands.world );
+		return runWorld( commands.world );
 	}
 	if ( name == "view" )
 	{
@@ -600,6 +631,7 @@ int main( int argc, char** argv )
 	addPlan( app, commands.plan );
 	addAudit( app, commands.audit );
 	addTune( app, commands.tune );
+	addWorld( app, commands.world );
 	addView( app, commands.view );
 	app.add_subcommand( "bench", "benchmarks against other libraries (runs leeway-bench)" );
 	if ( argc > 1 && std::string( argv[1] ) == "bench" )

@@ -11,9 +11,11 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 
 namespace leeway::cli
 {
@@ -31,12 +33,15 @@ bool given( const CLI::App& app, const std::string& option )
 	return found != nullptr && found->count() > 0;
 }
 
-void addWorldOptions( CLI::App& app, CommonOptions& options, const std::string& group, const char* group_help )
+void addWorldOptions( CLI::App& app, CommonOptions& options, const std::string& group, const CommonNeeds& needs )
 {
-	app.add_option( "--scene", options.scene, "obstacles: MoveIt planning scene, or a URDF at its zero pose" )
-	    ->type_name( "Y.yaml|U.urdf" )
-	    ->group( group );
-	app.add_option( "--group", options.group, group_help )->type_name( "NAME" )->group( group );
+	if ( !needs.cell )
+	{
+		app.add_option( "--scene", options.scene, "obstacles: MoveIt planning scene, or a URDF at its zero pose" )
+		    ->type_name( "Y.yaml|U.urdf" )
+		    ->group( group );
+		app.add_option( "--group", options.group, needs.group_help )->type_name( "NAME" )->group( group );
+	}
 	app.add_option( "--allow", options.allowed, "a link and an object, or two links, that may touch; repeatable" )
 	    ->type_name( "LINK:OBJECT" )
 	    ->allow_extra_args( false )
@@ -119,9 +124,20 @@ lw_check_flags CommonOptions::checkFlags() const
 	return what_name == "env" ? LW_CHECK_ENVIRONMENT : what_name == "self" ? LW_CHECK_SELF : LW_CHECK_BOTH;
 }
 
-void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs )
+namespace
 {
-	const std::string model = "Model";
+
+/// --robot with its arguments, and --srdf; or --world.
+void addModelOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs, const std::string& model )
+{
+	if ( needs.cell )
+	{
+		app.add_option( "--world", options.cell, "robots, objects and their motions in one file" )
+		    ->type_name( "W.yaml" )
+		    ->required()
+		    ->group( model );
+		return;
+	}
 	CLI::Option* robot =
 	    app.add_option( "--robot", options.robot, "robot description: URDF, MJCF, SDF, or xacro with its NAME:=VALUE" )
 	        ->type_name( "R.urdf" )
@@ -139,9 +155,17 @@ void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds&
 	app.add_option( "--srdf", options.srdf, "groups and pairs of links that may touch" )
 	    ->type_name( "S.srdf" )
 	    ->group( model );
+}
+
+} // namespace
+
+void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs )
+{
+	const std::string model = "Model";
+	addModelOptions( app, options, needs, model );
 	if ( needs.world )
 	{
-		addWorldOptions( app, options, model, needs.group_help );
+		addWorldOptions( app, options, model, needs );
 	}
 	if ( needs.request )
 	{
@@ -389,6 +413,48 @@ void validate( const CLI::App& app, TuneOptions& options )
 	}
 	requirePositive( "--states", options.states );
 	requirePositive( "--edges", options.edges );
+}
+
+void validate( const CLI::App& app, WorldOptions& options )
+{
+	const std::map<std::string, std::vector<std::string>> own = { { "check", { "--time", "--json" } },
+	    { "edge", { "--edges", "--out", "--slack" } },
+	    { "audit", { "--from", "--to", "--first-contact", "--slack", "--json" } } };
+	if ( own.count( options.question ) == 0 )
+	{
+		wrong( "leeway world " + options.question, "is no question", "ask check, edge or audit" );
+	}
+	const std::vector<std::string>& allowed = own.at( options.question );
+	for ( const auto& [question, names] : own )
+	{
+		for ( const std::string& name : names )
+		{
+			if ( given( app, name ) && std::find( allowed.begin(), allowed.end(), name ) == allowed.end() )
+			{
+				wrong( name, "has no meaning for leeway world " + options.question, "leave it out, or ask " + question );
+			}
+		}
+	}
+	options.time_given = given( app, "--time" );
+	options.from_given = given( app, "--from" );
+	options.to_given = given( app, "--to" );
+	requirePositive( "--slack", options.slack );
+	for ( const auto& [option, value] :
+	    { std::pair( "--time", options.time ), { "--from", options.from }, { "--to", options.to } } )
+	{
+		if ( !std::isfinite( value ) )
+		{
+			wrong( option, "is not finite", "give seconds" );
+		}
+	}
+	if ( options.from_given && options.to_given && !( options.from <= options.to ) )
+	{
+		wrong( "--to", fmt::format( "{:g} s is before --from {:g} s", options.to, options.from ), "give a later time" );
+	}
+	if ( options.question == "edge" && options.edges.empty() )
+	{
+		wrong( "--edges", "is missing", "give a table of motions" );
+	}
 }
 
 void validate( const CLI::App& app, const PictureOptions& options )

@@ -36,6 +36,7 @@ enum Exit : int
 struct CommonOptions
 {
 	std::string robot, srdf, scene, group, request, cache;
+	std::string cell; ///< a world file, in the place of robot, srdf and scene
 	std::vector<std::string> package_paths;
 	std::vector<std::string> xacro_arguments; ///< NAME:=VALUE
 	std::vector<std::string> allowed;         ///< LINK:OBJECT or LINK:LINK
@@ -147,6 +148,17 @@ struct AuditOptions
 	double time = 60; ///< seconds
 };
 
+struct WorldOptions
+{
+	CommonOptions common;
+	std::string question; ///< check, edge or audit
+	double time = 0, from = 0, to = 0;
+	bool time_given = false, from_given = false, to_given = false;
+	double slack = 0.001;
+	bool first_contact = false;
+	std::string edges, out, json;
+};
+
 struct ViewOptions
 {
 	CommonOptions common;
@@ -178,6 +190,7 @@ struct CommonNeeds
 	bool detail = false; ///< --detail is offered
 	const char* group_help = "planning group of the SRDF; without it all joints can move";
 	bool proofs = true; ///< proofs are made without --proofs
+	bool cell = false;  ///< --world stands for --robot, --srdf, --scene and --group
 };
 
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs );
@@ -194,6 +207,7 @@ io::Limits inputLimits( const std::vector<std::string>& given );
 void validate( const CLI::App& app, EdgeOptions& options, const CommonOptions& common );
 
 void validate( const CLI::App& app, TuneOptions& options );
+void validate( const CLI::App& app, WorldOptions& options );
 void validate( const CLI::App& app, const PictureOptions& options );
 
 /// @throws io::Error unless value is finite and > 0
@@ -215,6 +229,7 @@ int runPlan( const PlanOptions& options );
 int runAudit( const AuditOptions& options );
 int runTrajectoryAudit( const AuditOptions& options );
 int runTune( const TuneOptions& options );
+int runWorld( const WorldOptions& options );
 int runView( const ViewOptions& options );
 int runBench( int argc, char** argv ); ///< becomes leeway-bench; returns if that cannot be
 

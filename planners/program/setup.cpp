@@ -153,6 +153,21 @@ void readRobot( const CommonOptions& options, io::LoadOptions load, Input& input
 	}
 }
 
+void readWorld( const CommonOptions& options, io::LoadOptions load, Input& input )
+{
+	const Progress progress( "reading the world and building its trees" );
+	const double start = now();
+	load.skip_missing_meshes = options.missing_meshes == "skip";
+	input.world = io::loadWorld( options.cell, load );
+	input.robot_seconds = now() - start;
+	input.robot = input.world->robot;
+	input.scene = input.world->scene;
+	for ( const std::string& file : input.world->files )
+	{
+		readsFile( "a file of --world", file );
+	}
+}
+
 } // namespace
 
 Input loadInput( const CommonOptions& options, Notices& notices )
@@ -167,7 +182,8 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 	load.cache_limit = static_cast<std::uint64_t>( options.cache_limit * 1e6 );
 	for ( const auto& [option, file] : { std::pair( "--robot", &options.robot ), std::pair( "--srdf", &options.srdf ),
 	          std::pair( "--scene", &options.scene ), std::pair( "--request", &options.request ),
-	          std::pair( "--margins", &options.margins ), std::pair( "--padding", &options.padding ) } )
+	          std::pair( "--margins", &options.margins ), std::pair( "--padding", &options.padding ),
+	          std::pair( "--world", &options.cell ) } )
 	{
 		readsFile( option, *file );
 	}
@@ -197,9 +213,16 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 		input.request = io::loadRequest( options.request );
 		notices.add( "the request", input.request->notices );
 	}
-	readRobot( options, load, input );
+	if ( !options.cell.empty() )
+	{
+		readWorld( options, load, input );
+	}
+	else
+	{
+		readRobot( options, load, input );
+		checkWithoutSrdf( options, input.robot, notices );
+	}
 	notices.add( "the robot", input.robot.report.notices );
-	checkWithoutSrdf( options, input.robot, notices );
 	if ( !options.scene.empty() )
 	{
 		const Progress progress( "reading the scene and building its trees" );
@@ -222,6 +245,10 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 		}
 	}
 	input.allowed = allowedPairs( options.allowed, input );
+	if ( input.world )
+	{
+		input.allowed.insert( input.allowed.end(), input.world->allowed.begin(), input.world->allowed.end() );
+	}
 	return input;
 }
 

@@ -2,7 +2,7 @@
 // From file names to a checker, for all subcommands.
 #pragma once
 
-#include "leeway/io/model.hpp"
+#include "leeway/io/world_model.hpp"
 #include "leeway/motions/audit.hpp"
 #include "leeway/motions/motion_files.hpp"
 #include "leeway/motions/trajectory.hpp"
@@ -23,6 +23,7 @@ struct Input
 {
 	io::RobotModel robot;
 	std::optional<io::SceneModel> scene;
+	std::optional<io::WorldModel> world; ///< of --world: robot and scene are its own
 	std::optional<io::Request> request;
 	/// With a cache: where motion hulls and pair tables are, and the seconds of this run for proofs.
 	std::optional<io::ReachOptions> reach;
@@ -32,7 +33,7 @@ struct Input
 	std::string robot_file, scene_file, request_file;
 	io::Margins margins;
 	io::Padding padding;
-	std::vector<std::pair<std::string, std::string>> allowed; ///< of --allow
+	std::vector<std::pair<std::string, std::string>> allowed; ///< of --allow and the world file
 };
 
 /// Metres beyond the margin: obstacles that the group cannot come this near to are passed over where a proof of a motion

@@ -86,32 +86,11 @@ TEST( EdgeTube, SpheresOfLongEdgesLeaveRoomForTheTube )
 		edge.tolerance = much;
 		ASSERT_EQ( lw_checker_edge( checker.get(), query.get(), from, to, &edge, &result ), LW_OK );
 		EXPECT_EQ( result.verdict, LW_VERDICT_UNDECIDED ) << post_is_link;
+		// A motion of no length is all proved, or nothing of it is
+		const double near_by[2] = { 0.7, 0 };
+		edge.want_proved_until = true;
+		ASSERT_EQ( lw_checker_edge( checker.get(), query.get(), near_by, near_by, &edge, &result ), LW_OK );
+		EXPECT_EQ( result.verdict, LW_VERDICT_UNDECIDED ) << post_is_link;
+		EXPECT_EQ( result.proved_until, 0 ) << post_is_link;
 	}
-}
-
-// A ball rests beside a block, nearer than its tolerance: nothing moves, and nothing is proved until any time.
-TEST( EdgeTube, RestThatIsNotProvedHasNoProvedPart )
-{
-	RobotModel model;
-	model.link( "rail" );
-	model.joint( "ball", LW_JOINT_PRISMATIC, 0 );
-	const double radius[3] = { 0.1, 0, 0 }, size[3] = { 1, 1, 1 }, tolerance = 0.2, at = 0;
-	lw_shape *ball = nullptr, *block = nullptr;
-	ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_SPHERE, radius, nullptr, nullptr, &ball ), LW_OK );
-	ASSERT_EQ( lw_shape_create_primitive( LW_SHAPE_BOX, size, nullptr, nullptr, &block ), LW_OK );
-	model.body( 1, ball, lw_transform_identity() );
-	const RobotPtr robot = model.create();
-	const ShapePtr keep( block );
-	lw_transform above = lw_transform_identity();
-	above.t[2] = 0.75;
-	const leeway::Scene scene = oneObstacle( block, above );
-	const leeway::Checker checker = checkerOf( robot.get(), scene.get() );
-	const leeway::Query query = leeway::makeQuery( checker.get() );
-	lw_edge_def def = lw_edge_def_default();
-	def.tolerance = &tolerance;
-	def.want_proved_until = true;
-	lw_edge_result result;
-	ASSERT_EQ( lw_checker_edge( checker.get(), query.get(), &at, &at, &def, &result ), LW_OK );
-	EXPECT_EQ( result.verdict, LW_VERDICT_UNDECIDED );
-	EXPECT_EQ( result.proved_until, 0 );
 }

@@ -55,6 +55,7 @@ HOUSES = [
         ("sdf", "SDF of Gazebo by libsdformat: its frames, joints and shapes"),
         ("robot", "URDF, SRDF, pair tables, spheres of links; notices of implausible numbers"),
         ("scene", "scenes, requests, margins; a problem, which joins a robot with a scene"),
+        ("world", "world files: several robots and moving objects as one robot"),
     ]),
     House("planners", [
         ("search", "the libraries leeway::plan and leeway::planners: search trees of joint space, samples, smoothing, OMPL's planners"),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Errors of the readers, and the text handling that all of them use.
+// Errors and reports of the readers, and the text handling that all of them use.
 #include "base/io_internal.hpp"
 #include "leeway/io/printable.hpp"
 
@@ -186,6 +186,15 @@ const GroupState& RobotModel::useGroupState( const std::string& group, const std
 
 namespace detail
 {
+
+void append( const LoadReport& report, LoadReport& out )
+{
+	out.shapes.insert( out.shapes.end(), report.shapes.begin(), report.shapes.end() );
+	out.links_without_geometry.insert(
+	    out.links_without_geometry.end(), report.links_without_geometry.begin(), report.links_without_geometry.end() );
+	out.notices.insert( out.notices.end(), report.notices.begin(), report.notices.end() );
+	out.cache_milliseconds += report.cache_milliseconds;
+}
 
 bool isUtf8( std::string_view text )
 {

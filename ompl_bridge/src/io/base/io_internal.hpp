@@ -105,6 +105,9 @@ template <typename F> std::uint32_t forEachStlTriangle( const std::string& bytes
 	return count;
 }
 
+/// Appends the report of another file's reader.
+void append( const LoadReport& report, LoadReport& out );
+
 /// A mesh file, by device and number of its inode, at one scale.
 using MeshKey = std::tuple<std::string, double, double, double>;
 /// Two URIs may be one file, and the same file may be reached through a link.
@@ -146,6 +149,10 @@ private:
 
 /// A URDF without SRDF, or an MJCF: told apart by the root element.
 RobotModel readRobot( std::unique_ptr<XmlFile> xml, const LoadOptions& options );
+
+/// io::loadRobot() for a file of one robot, which is no world. @param content of the file @throws Error
+RobotModel loadOneRobot(
+    const std::string& file, std::string content, const std::string& srdf_file, const LoadOptions& options );
 
 /// Adds groups, allowed pairs, virtual joint and states of an SRDF to a model.
 /// @param strict as LoadOptions::strict

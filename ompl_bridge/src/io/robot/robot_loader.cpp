@@ -102,9 +102,10 @@ RobotModel readFileOrExpanded( std::unique_ptr<detail::XmlFile> xml, const LoadO
 
 } // namespace
 
-RobotModel loadRobot( const std::string& urdf_file, const std::string& srdf_file, const LoadOptions& options )
+RobotModel detail::loadOneRobot(
+    const std::string& file, std::string content, const std::string& srdf_file, const LoadOptions& options )
 {
-	auto xml = std::make_unique<detail::XmlFile>( urdf_file );
+	auto xml = std::make_unique<detail::XmlFile>( file, std::move( content ) );
 	const bool mjcf = detail::isMjcf( *xml );
 	RobotModel model = readFileOrExpanded( std::move( xml ), options );
 	noticePackagePaths( options, model.report.notices );

@@ -114,6 +114,11 @@ Request loadRequest( const std::string& file )
 		throw Error( file, "goal_constraints", "this is a planning scene, not a request",
 		    "give a file with start_state and goal_constraints" );
 	}
+	if ( root["leeway_world"].defined() )
+	{
+		throw Error( file, "leeway_world", "this is a world file, not a request",
+		    "give a file with start_state and goal_constraints" );
+	}
 	root.noticeUnknownKeys( { "workspace_parameters", "start_state", "goal_constraints", "path_constraints",
 	    "trajectory_constraints", "reference_trajectories", "pipeline_id", "planner_id", "group_name",
 	    "num_planning_attempts", "allowed_planning_time", "max_velocity_scaling_factor", "max_acceleration_scaling_factor",

@@ -4,8 +4,8 @@
 // Poses compose as in MoveIt: frame * object pose * shape pose. An unusable shape is an error and is never left out: an
 // obstacle that silently disappears reads as free space.
 #include "scene/articulation.hpp"
-#include "shape/geometry_loader.hpp"
 #include "scene/padding.hpp"
+#include "scene/shape_reader.hpp"
 #include "robot/plausibility.hpp"
 #include "base/xml.hpp"
 #include "base/yaml.hpp"
@@ -21,9 +21,8 @@ namespace leeway::io
 namespace
 {
 
-using detail::GeometryLoader;
 using detail::ShapeLoader;
-using detail::TriangleSoup;
+using detail::ShapeReader;
 using detail::YamlNode;
 
 std::string lower( std::string text )
@@ -37,7 +36,7 @@ class SceneReader
 public:
 	SceneReader( std::string content, const LoadOptions& options, SceneModel& scene )
 	    : m_root( YamlNode::parse( scene.file, std::move( content ), scene.report.notices ) ), m_options( options ),
-	      m_shapes( options, scene.report ), m_geometry( options, scene.report ), m_scene( scene )
+	      m_shapes( options, scene.report ), m_scene( scene )
 	{
 	}
 	void read();
@@ -54,16 +53,7 @@ private:
 	};
 	void readShapes( const YamlNode& object, const char* shapes_key, const char* poses_key, Kind kind, SceneObject& out );
 	PlacedShape readShape( const YamlNode& shape, Kind kind, const std::string& owner );
-	PlacedShape readPlane( const YamlNode& node, const std::string& owner );
-	Shape readPrimitive( const YamlNode& node, const std::string& owner );
-	Shape readMesh( const YamlNode& node, const std::string& owner );
-	TriangleSoup readInlineMesh( const YamlNode& node ) const;
 	void readOtherShapes( const YamlNode& object, SceneObject& out );
-	Shape readOtherShape( const YamlNode& node, const std::string& owner );
-	Shape readCloud( const YamlNode& node, const std::string& owner );
-	Shape readOctomapShape( const YamlNode& node, const std::string& owner );
-	Shape readHeightMap( const YamlNode& node, const std::string& owner );
-	Shape readSpheres( const YamlNode& node, const std::string& owner );
 	void readOctomapMessage();
 	void readArticulations();
 	void readAttached( const YamlNode& state );
@@ -79,8 +69,7 @@ private:
 
 	YamlNode m_root;
 	const LoadOptions& m_options;
-	ShapeLoader m_shapes;
-	GeometryLoader m_geometry;
+	ShapeReader m_shapes;
 	SceneModel& m_scene;
 	std::set<std::string> m_ids;
 };
@@ -97,7 +86,10 @@ void SceneReader::checkTop() const
 			m_root.refuseMisspelt( key, parts );
 		}
 		bool request = m_root["goal_constraints"].defined() || m_root["start_state"].defined();
-		throw Error( m_scene.file, "world", request ? "this is a request, not a planning scene" : "there is no world",
+		throw Error( m_scene.file, "world",
+		    m_root["leeway_world"].defined() ? "this is a world file (leeway_world), not a planning scene"
+		    : request                        ? "this is a request, not a planning scene"
+		                                     : "there is no world",
 		    "give a planning scene with world.collision_objects" );
 	}
 	m_root.noticeUnknownKeys( { "name", "robot_state", "robot_model_name", "fixed_frame_transforms",
@@ -107,122 +99,18 @@ void SceneReader::checkTop() const
 	    { "is_diff" }, "objects of the scene that this one changes are not in the file, and not in the world" );
 }
 
-Shape SceneReader::readPrimitive( const YamlNode& node, const std::string& owner )
-{
-	node.noticeUnknownKeys( { "type", "dimensions", "polygon" } );
-	node.noticeUnused( { "polygon" }, "it is that of a prism" );
-	std::string type = lower( node["type"].text() );
-	YamlNode dimensions = node["dimensions"];
-	if ( type == "box" || type == "1" )
-	{
-		std::vector<double> d = dimensions.vector( { "x", "y", "z" } );
-		return m_shapes.primitive( place( node, owner ), LW_SHAPE_BOX, { d[0], d[1], d[2] } );
-	}
-	if ( type == "sphere" || type == "2" )
-	{
-		std::vector<double> d = dimensions.vector( { "radius" } );
-		return m_shapes.primitive( place( node, owner ), LW_SHAPE_SPHERE, { d[0], 0, 0 } );
-	}
-	if ( type == "cylinder" || type == "3" || type == "cone" || type == "4" )
-	{
-		// shape_msgs/SolidPrimitive: height first
-		std::vector<double> d = dimensions.vector( { "height", "radius" } );
-		lw_shape_type shape = type == "cylinder" || type == "3" ? LW_SHAPE_CYLINDER : LW_SHAPE_CONE;
-		return m_shapes.primitive( place( node, owner ), shape, { d[1], d[0], 0 } );
-	}
-	node["type"].fail(
-	    fmt::format( "primitive type {} is not supported", type ), "use box (1), sphere (2), cylinder (3) or cone (4)" );
-}
-
-TriangleSoup SceneReader::readInlineMesh( const YamlNode& node ) const
-{
-	TriangleSoup soup;
-	YamlNode vertices = node["vertices"], triangles = node["triangles"];
-	for ( std::size_t i = 0; i < vertices.size(); ++i )
-	{
-		std::vector<double> v = vertices[i].vector( { "x", "y", "z" } );
-		soup.vertices.insert( soup.vertices.end(), v.begin(), v.end() );
-	}
-	double vertex_count = static_cast<double>( vertices.size() );
-	for ( std::size_t i = 0; i < triangles.size(); ++i )
-	{
-		YamlNode triangle = triangles[i];
-		std::vector<double> indices = triangle.isMap() ? triangle["vertex_indices"].numberList() : triangle.numberList();
-		if ( indices.size() != 3 )
-		{
-			triangle.fail( fmt::format( "has {} vertices, not 3", indices.size() ), "write three vertex indices" );
-		}
-		for ( double index : indices )
-		{
-			if ( !( index >= 0 && index < vertex_count ) ||
-			     index != static_cast<double>( static_cast<std::uint32_t>( index ) ) )
-			{
-				triangle.fail( fmt::format( "there is no vertex {}", index ),
-				    fmt::format( "vertices are numbered 0 to {}", vertices.size() - 1 ) );
-			}
-			soup.indices.push_back( static_cast<std::uint32_t>( index ) );
-		}
-	}
-	if ( soup.indices.empty() )
-	{
-		node.fail( "the mesh has no triangles", "give vertices and triangles, or a resource" );
-	}
-	return soup;
-}
-
-Shape SceneReader::readMesh( const YamlNode& node, const std::string& owner )
-{
-	YamlNode resource = node.firstOf( { "resource", "mesh_resource" } ), solid_node = node["leeway_solid"];
-	bool solid = solid_node.defined() && solid_node.boolean();
-	if ( !resource.defined() )
-	{
-		node.noticeUnknownKeys( { "vertices", "triangles", "leeway_solid" } );
-		TriangleSoup soup = readInlineMesh( node );
-		return solid ? m_geometry.solidInlineMesh( place( node, owner ), soup )
-		             : m_shapes.inlineMesh( place( node, owner ), soup );
-	}
-	if ( node["triangles"].size() > 0 )
-	{
-		node.fail( "has both a resource and triangles", "keep one of them" );
-	}
-	node.noticeUnknownKeys(
-	    { "resource", "mesh_resource", "scale", "dimensions", "vertices", "triangles", "leeway_solid" } );
-	std::array<double, 3> scale = { 1, 1, 1 };
-	YamlNode factor = node.firstOf( { "scale", "dimensions" } ); // robowflex calls the scale dimensions
-	if ( factor.isScalar() )
-	{
-		scale.fill( factor.number() );
-	}
-	else if ( factor.defined() )
-	{
-		std::vector<double> s = factor.vector( { "x", "y", "z" } );
-		scale = { s[0], s[1], s[2] };
-	}
-	return solid ? m_geometry.solidMesh( place( node, owner ), resource.text(), scale )
-	             : m_shapes.mesh( place( node, owner ), resource.text(), scale );
-}
-
-/// shape_msgs/Plane: a x + b y + c z + d = 0. It has no inside; leeway_solid makes everything behind it solid.
-PlacedShape SceneReader::readPlane( const YamlNode& node, const std::string& owner )
-{
-	node.noticeUnknownKeys( { "coef", "leeway_solid" } );
-	std::vector<double> c = node["coef"].vector( { "a", "b", "c", "d" } );
-	YamlNode solid = node["leeway_solid"];
-	return m_geometry.plane( place( node, owner ), { c[0], c[1], c[2], c[3] }, solid.defined() && solid.boolean() );
-}
-
 PlacedShape SceneReader::readShape( const YamlNode& shape, Kind kind, const std::string& owner )
 {
 	switch ( kind )
 	{
 	case Kind::primitive:
-		return { readPrimitive( shape, owner ), lw_transform_identity() };
+		return { m_shapes.primitive( shape, owner ), lw_transform_identity() };
 	case Kind::mesh:
-		return { readMesh( shape, owner ), lw_transform_identity() };
+		return { m_shapes.mesh( shape, owner ), lw_transform_identity() };
 	case Kind::plane:
 		break;
 	}
-	return readPlane( shape, owner );
+	return m_shapes.plane( shape, owner );
 }
 
 void SceneReader::readShapes(
@@ -250,130 +138,6 @@ void SceneReader::readShapes(
 	}
 }
 
-Shape SceneReader::readCloud( const YamlNode& node, const std::string& owner )
-{
-	node.refuseUnknownKeys( { "type", "pose", "resource", "radius" } );
-	double radius = node["radius"].number();
-	if ( radius < 0 )
-	{
-		node["radius"].fail( fmt::format( "{} is negative", radius ), "give the radius of a ball around each point" );
-	}
-	return m_geometry.pointCloud( place( node, owner ), node["resource"].text(), radius );
-}
-
-/// "free" or "occupied".
-bool readUnknown( const YamlNode& node )
-{
-	std::string text = lower( node.text() );
-	if ( text != "free" && text != "occupied" )
-	{
-		node.fail( fmt::format( "{} is neither free nor occupied", text ), "write free or occupied" );
-	}
-	return text == "occupied";
-}
-
-detail::OctomapUse readOctomapUse( const YamlNode& unknown, const YamlNode& bounds )
-{
-	detail::OctomapUse use;
-	use.unknown_is_occupied = unknown.defined() && readUnknown( unknown );
-	if ( bounds.defined() )
-	{
-		bounds.refuseUnknownKeys( { "min", "max" } );
-		std::vector<double> low = bounds["min"].vector( { "x", "y", "z" } ),
-		                    high = bounds["max"].vector( { "x", "y", "z" } );
-		use.bounds = { low[0], low[1], low[2], high[0], high[1], high[2] };
-	}
-	if ( bounds.defined() && !use.unknown_is_occupied )
-	{
-		bounds.fail( "has no meaning where unknown is free", "remove it, or make unknown occupied" );
-	}
-	return use;
-}
-
-Shape SceneReader::readOctomapShape( const YamlNode& node, const std::string& owner )
-{
-	node.refuseUnknownKeys( { "type", "pose", "resource", "unknown", "bounds" } );
-	if ( !node["unknown"].defined() )
-	{
-		node["unknown"].fail(
-		    "is missing: what are cells that nobody has seen?", "write unknown: free or unknown: occupied" );
-	}
-	return m_geometry.octomapFile(
-	    place( node, owner ), node["resource"].text(), readOctomapUse( node["unknown"], node["bounds"] ) );
-}
-
-Shape SceneReader::readHeightMap( const YamlNode& node, const std::string& owner )
-{
-	node.refuseUnknownKeys( { "type", "pose", "resource", "resolution", "z_scale", "origin", "depth", "unknown" } );
-	detail::HeightMapUse use;
-	auto positive = [&]( const char* key, double fallback )
-	{
-		double value = node[key].defined() || fallback == 0 ? node[key].number() : fallback;
-		if ( !( value > 0 ) )
-		{
-			node[key].fail( fmt::format( "{} is not above 0", value ), "give metres above 0" );
-		}
-		return value;
-	};
-	use.resolution = positive( "resolution", 0 );
-	use.depth = positive( "depth", use.depth );
-	use.z_scale = node["z_scale"].number();
-	if ( node["origin"].defined() )
-	{
-		std::vector<double> origin = node["origin"].vector( { "x", "y", "z" } );
-		use.origin = { origin[0], origin[1], origin[2] };
-	}
-	if ( node["unknown"].defined() )
-	{
-		use.unknown_is_ground = readUnknown( node["unknown"] );
-	}
-	return m_geometry.heightMap( place( node, owner ), node["resource"].text(), use );
-}
-
-Shape SceneReader::readSpheres( const YamlNode& node, const std::string& owner )
-{
-	node.refuseUnknownKeys( { "type", "pose", "spheres" } );
-	YamlNode list = node["spheres"];
-	std::vector<double> spheres;
-	for ( std::size_t i = 0; i < list.size(); ++i )
-	{
-		std::vector<double> sphere = list[i].vector( { "x", "y", "z", "radius" } );
-		if ( !( sphere[3] > 0 ) )
-		{
-			list[i].fail( fmt::format( "radius {} is not above 0", sphere[3] ), "give x, y, z and a radius above 0" );
-		}
-		spheres.insert( spheres.end(), sphere.begin(), sphere.end() );
-	}
-	if ( spheres.empty() )
-	{
-		list.fail( "there are no spheres", "give a list of [x, y, z, radius]" );
-	}
-	return m_geometry.spheres( place( node, owner ), spheres );
-}
-
-Shape SceneReader::readOtherShape( const YamlNode& node, const std::string& owner )
-{
-	std::string type = lower( node["type"].text() );
-	if ( type == "point_cloud" )
-	{
-		return readCloud( node, owner );
-	}
-	if ( type == "octomap" )
-	{
-		return readOctomapShape( node, owner );
-	}
-	if ( type == "height_map" )
-	{
-		return readHeightMap( node, owner );
-	}
-	if ( type == "spheres" )
-	{
-		return readSpheres( node, owner );
-	}
-	node["type"].fail(
-	    fmt::format( "shape type {} is not known", type ), "use point_cloud, octomap, height_map or spheres" );
-}
-
 /// leeway_shapes: shapes that MoveIt's messages cannot express.
 void SceneReader::readOtherShapes( const YamlNode& object, SceneObject& out )
 {
@@ -383,7 +147,7 @@ void SceneReader::readOtherShapes( const YamlNode& object, SceneObject& out )
 	{
 		YamlNode pose = shapes[i]["pose"];
 		lw_transform object_from_shape = pose.defined() ? pose.pose() : lw_transform_identity();
-		Shape shape = readOtherShape( shapes[i], out.name );
+		Shape shape = m_shapes.other( shapes[i], out.name );
 		if ( shape ) // else an empty map, which has a notice already
 		{
 			out.shapes.push_back( { std::move( shape ), lw_transform_multiply( &frame_from_object, &object_from_shape ) } );
@@ -463,12 +227,12 @@ void SceneReader::readOctomapMessage()
 	SceneObject object;
 	object.name = "<octomap>";
 	object.frame = node.frame();
-	detail::OctomapUse use = readOctomapUse( node["leeway_unknown"], node["leeway_bounds"] );
+	detail::OctomapUse use = detail::readOctomapUse( node["leeway_unknown"], node["leeway_bounds"] );
 	if ( !node["leeway_unknown"].defined() )
 	{
 		node.notice( "cells that nobody has seen are free, as in MoveIt; leeway_unknown: occupied makes them obstacles" );
 	}
-	Shape shape = m_geometry.octomapMessage( place( map, object.name ), data, use );
+	Shape shape = m_shapes.octomapMessage( map, object.name, data, use );
 	if ( shape )
 	{
 		object.shapes.push_back( { shape, node["origin"].defined() ? node["origin"].pose() : lw_transform_identity() } );
@@ -478,16 +242,6 @@ void SceneReader::readOctomapMessage()
 		}
 		m_scene.objects.push_back( std::move( object ) );
 	}
-}
-
-/// Appends the report of another file's reader.
-void append( const LoadReport& report, LoadReport& out )
-{
-	out.shapes.insert( out.shapes.end(), report.shapes.begin(), report.shapes.end() );
-	out.links_without_geometry.insert(
-	    out.links_without_geometry.end(), report.links_without_geometry.begin(), report.links_without_geometry.end() );
-	out.notices.insert( out.notices.end(), report.notices.begin(), report.notices.end() );
-	out.cache_milliseconds += report.cache_milliseconds;
 }
 
 /// leeway_articulations: URDFs as objects.
@@ -524,7 +278,7 @@ void SceneReader::readArticulations()
 			}
 			m_scene.objects.push_back( std::move( object ) );
 		}
-		append( articulation.model.report, m_scene.report );
+		detail::append( articulation.model.report, m_scene.report );
 		m_scene.articulations.push_back( std::move( articulation ) );
 	}
 }

@@ -80,6 +80,10 @@ std::vector<double> tolerances( const io::Problem& problem, const std::string& f
 std::vector<Segment> segmentsOf(
     const io::Problem& problem, const TrajectoryFile& file, Interpolation interpolation, double begin );
 
+/// The same of some columns of the file, in this order. @param columns indices into joint_names
+std::vector<Segment> segmentsOf(
+    const TrajectoryFile& file, const std::vector<std::size_t>& columns, Interpolation interpolation, double begin );
+
 /// The ways to a first point that comes after time 0, from where the controller finds the robot: straight, cubic if the point has velocities, quintic
 /// if it has accelerations too. Which of them ROS's joint_trajectory_controller drives depends on the state interfaces of the hardware; with
 /// another interpolation than automatic there is one.

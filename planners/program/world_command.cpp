@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway world: several robots and moving objects on one clock.
+#include "leeway/motions/schedule.hpp"
+#include "leeway/near.h"
+#include "motions/csv.hpp"
+#include "motions/names.hpp"
+#include "motions/report.hpp"
+#include "program/setup.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <set>
+
+namespace leeway::cli
+{
+namespace
+{
+
+/// Seconds: the first contact is known to this.
+constexpr double contact_resolution = 1e-3;
+
+/// The world, its checker and its motions.
+class Cell
+{
+public:
+	Cell( const WorldOptions& options, Notices& notices )
+	    : m_input( loadInput( options.common, notices ) ), m_bench( m_input, "", m_input.world->state().values, notices )
+	{
+	}
+	const io::WorldModel& world() const { return *m_input.world; }
+	const Workbench& bench() const { return m_bench; }
+
+private:
+	Input m_input;
+	Workbench m_bench;
+};
+
+// ---- check -----------------------------------------------------------------------------------------------------------
+
+/// The robot or object that a link belongs to: what stands before the first slash.
+std::string ownerOf( const std::string& link )
+{
+	return link.substr( 0, link.find( '/' ) );
+}
+
+struct Nearest
+{
+	std::string first, second; ///< owners
+	Named pair;
+};
+
+/// The nearest pair of each two owners, nearest first.
+std::vector<Nearest> nearestPairs(
+    const Workbench& bench, const std::vector<double>& q, lw_check_flags flags, const std::string& file )
+{
+	lw_near_def def = lw_near_def_default();
+	def.flags = flags;
+	def.distance = HUGE_VAL;
+	std::vector<lw_near_pair> rows( 256 );
+	std::uint32_t count = 0;
+	for ( bool fits = false; !fits; )
+	{
+		const lw_status status = lw_checker_near(
+		    bench.checker(), bench.query(), q.data(), &def, rows.data(), static_cast<std::uint32_t>( rows.size() ), &count );
+		if ( status != LW_OK )
+		{
+			throw io::Error( file, "state", std::string( "near pairs: " ) + lw_status_name( status ), "correct the state" );
+		}
+		fits = count <= rows.size();
+		rows.resize( fits ? rows.size() : count );
+	}
+	std::vector<Nearest> out;
+	std::set<std::pair<std::string, std::string>> seen;
+	for ( std::uint32_t i = 0; i < count; ++i )
+	{
+		const lw_near_pair& row = rows[i];
+		Nearest nearest;
+		nearest.pair =
+		    row.self ? nameSelf( bench.checker(), row.clearance ) : nameEnvironment( bench.checker(), row.clearance );
+		nearest.first = ownerOf( nearest.pair.first );
+		nearest.second = row.self ? ownerOf( nearest.pair.second ) : "scene";
+		if ( row.self && nearest.second < nearest.first )
+		{
+			std::swap( nearest.first, nearest.second );
+			std::swap( nearest.pair.first, nearest.pair.second );
+			std::swap( nearest.pair.point_a, nearest.pair.point_b );
+		}
+		if ( seen.insert( { nearest.first, nearest.second } ).second )
+		{
+			out.push_back( std::move( nearest ) );
+		}
+	}
+	return out;
+}
+
+int runWorldCheck( const WorldOptions& options )
+{
+	Notices notices( options.common.verbose );
+	OutputFile json_file( "--json", options.json );
+	Cell cell( options, notices );
+	Schedule schedule( cell.world(), cell.bench().problem() );
+	notices.add( "motions", schedule.notices() );
+	const std::vector<double> q = schedule.state( options.time );
+	const std::vector<Nearest> nearest = nearestPairs( cell.bench(), q, options.common.checkFlags(), options.common.cell );
+	const bool free = nearest.empty() || nearest.front().pair.lower > options.common.min_d;
+	std::string text = fmt::format( "time        {:g} s\n", options.time );
+	Json pairs = Json::array();
+	for ( const Nearest& one : nearest )
+	{
+		text += fmt::format( "{:<28}{:.6g} m{}: {} - {}\n", one.first + " - " + one.second, one.pair.least(),
+		    one.pair.marginText(), one.pair.first, one.pair.second );
+		Json row = jsonClearance( one.pair );
+		row["between"] = { one.first, one.second };
+		pairs.push_back( row );
+	}
+	text += free ? "free\n" : "not free\n";
+	if ( !options.json.empty() )
+	{
+		Json json;
+		json["world"] = options.common.cell;
+		json["time"] = options.time;
+		json["min_d"] = options.common.min_d;
+		json["free"] = free;
+		json["pairs"] = pairs;
+		for ( std::size_t i = 0; i < q.size(); ++i )
+		{
+			json["state"][cell.bench().problem().variable_names[i]] = q[i];
+		}
+		json["notices"] = notices.all();
+		json_file.text = jsonText( json );
+		json_file.commit();
+	}
+	printOut( text );
+	return free ? exit_yes : exit_no;
+}
+
+// ---- audit -----------------------------------------------------------------------------------------------------------
+
+ScheduleSettings settingsOf( const WorldOptions& options )
+{
+	ScheduleSettings settings;
+	settings.edge.min_d = options.common.min_d;
+	settings.edge.slack = options.slack;
+	settings.edge.flags = options.common.checkFlags();
+	settings.contact_resolution = options.first_contact ? contact_resolution : 0;
+	return settings;
+}
+
+int runWorldAudit( const WorldOptions& options )
+{
+	Notices notices( options.common.verbose );
+	OutputFile json_file( "--json", options.json );
+	Cell cell( options, notices );
+	Schedule schedule( cell.world(), cell.bench().problem() );
+	notices.add( "motions", schedule.notices() );
+	ScheduleSettings settings = settingsOf( options );
+	settings.from = options.from;
+	settings.to = options.to_given ? options.to : std::max( schedule.duration(), options.from );
+	if ( !( settings.from <= settings.to ) )
+	{
+		throw io::Error( "command line", "--to",
+		    fmt::format( "{:g} s is before the start, {:g} s", settings.to, settings.from ),
+		    "give a later time, or --from" );
+	}
+	const ScheduleAudit audit = auditSchedule( schedule, settings );
+	if ( !options.json.empty() )
+	{
+		Json json;
+		json["world"] = options.common.cell;
+		json["audit"] = toJson( audit );
+		json["notices"] = notices.all();
+		json_file.text = jsonText( json );
+		json_file.commit();
+	}
+	printOut( describe( audit ) );
+	return audit.valid() ? exit_yes : exit_no;
+}
+
+// ---- edge ------------------------------------------------------------------------------------------------------------
+
+/// Columns of a table of timed motions.
+struct EdgeColumns
+{
+	std::size_t start = 0, end = 0;
+	std::map<std::uint32_t, std::pair<std::size_t, std::size_t>> ends; ///< of group variables: columns from: and to:
+};
+
+EdgeColumns edgeColumns( const CsvTable& table, const std::vector<std::string>& names )
+{
+	const auto columnOf = [&]( const std::string& title )
+	{
+		const auto found = std::find( table.header.begin(), table.header.end(), title );
+		if ( found == table.header.end() )
+		{
+			throw io::Error( table.file, "header", fmt::format( "there is no column '{}'", title ),
+			    "give start, end, and from:JOINT and to:JOINT of each joint that moves" );
+		}
+		return static_cast<std::size_t>( found - table.header.begin() );
+	};
+	EdgeColumns out;
+	out.start = columnOf( "start" );
+	out.end = columnOf( "end" );
+	for ( const std::string& title : table.header )
+	{
+		if ( title == "start" || title == "end" )
+		{
+			continue;
+		}
+		const std::size_t colon = title.find( ':' );
+		const std::string name = colon != std::string::npos ? title.substr( colon + 1 ) : "";
+		const auto variable = std::find( names.begin(), names.end(), name );
+		if ( ( title.rfind( "from:", 0 ) != 0 && title.rfind( "to:", 0 ) != 0 ) || variable == names.end() )
+		{
+			throw io::Error( table.file, fmt::format( "column '{}'", title ), "names no joint of the world",
+			    "write from:JOINT and to:JOINT; " + useOneOf( name, names ) );
+		}
+		out.ends[static_cast<std::uint32_t>( variable - names.begin() )] = {
+		    columnOf( "from:" + name ), columnOf( "to:" + name ) };
+	}
+	if ( out.ends.empty() )
+	{
+		throw io::Error( table.file, "header", "names no joint", "give from:JOINT and to:JOINT columns" );
+	}
+	return out;
+}
+
+/// Replaces the motions of the parts whose joints have columns by those of a row.
+void drive( const io::WorldModel& world, const CsvTable& table, std::size_t row, const EdgeColumns& columns, double start,
+    double end, Schedule& schedule )
+{
+	const std::vector<std::string>& names = schedule.problem().variable_names;
+	const std::vector<double> standing = schedule.state( start );
+	for ( const io::WorldPart& part : world.parts )
+	{
+		std::vector<double> from, to;
+		bool moves = false;
+		for ( const std::string& name : part.variables )
+		{
+			const auto v = static_cast<std::uint32_t>( std::find( names.begin(), names.end(), name ) - names.begin() );
+			const auto ends = columns.ends.find( v );
+			moves = moves || ends != columns.ends.end();
+			from.push_back( ends != columns.ends.end() ? table.value( row, ends->second.first ) : standing[v] );
+			to.push_back( ends != columns.ends.end() ? table.value( row, ends->second.second ) : standing[v] );
+		}
+		if ( moves )
+		{
+			schedule.add( part.name, { start, end }, { from, to } );
+		}
+	}
+}
+
+int runWorldEdge( const WorldOptions& options )
+{
+	Notices notices( options.common.verbose );
+	const CsvTable table = readCsv( options.edges );
+	readsFile( "--edges", options.edges );
+	OutputFile out( "--out", options.out );
+	Cell cell( options, notices );
+	const io::Problem& problem = cell.bench().problem();
+	const EdgeColumns columns = edgeColumns( table, problem.variable_names );
+	ScheduleSettings settings = settingsOf( options );
+	settings.edge.want_proved_until = true;
+	out.text = "index,verdict,time,proved_until,clearance,pair,by_unknown_motion,states\n";
+	std::size_t free = 0;
+	Progress progress( "proving motions", table.rows.size() );
+	for ( std::size_t row = 0; row < table.rows.size(); ++row )
+	{
+		settings.from = table.value( row, columns.start );
+		settings.to = table.value( row, columns.end );
+		if ( !( settings.from < settings.to ) )
+		{
+			throw io::Error( table.file, fmt::format( "line {}", table.rows[row].line ),
+			    fmt::format( "begins at {:g} s and ends at {:g} s", settings.from, settings.to ),
+			    "give an end after the start" );
+		}
+		Schedule schedule( cell.world(), problem );
+		if ( row == 0 )
+		{
+			notices.add( "motions", schedule.notices() );
+		}
+		drive( cell.world(), table, row, columns, settings.from, settings.to, schedule );
+		const ScheduleAudit audit = auditSchedule( schedule, settings );
+		fmt::format_to( std::back_inserter( out.text ), "{},{},{},{},{},{},{},{}\n", row, lw_verdict_name( audit.verdict ),
+		    audit.time, audit.proved_until, audit.valid() ? audit.lower_bound : audit.pair.least(),
+		    audit.pair.first.empty() ? "" : csvCell( audit.pair.first + ":" + audit.pair.second ), audit.by_spread ? 1 : 0,
+		    audit.states );
+		free += audit.valid() ? 1 : 0;
+		progress.step( row + 1 );
+	}
+	out.commit();
+	tell( "leeway: {}: {} FREE\n", counted( table.rows.size(), "motion" ), free );
+	return free == table.rows.size() ? exit_yes : exit_no;
+}
+
+} // namespace
+
+int runWorld( const WorldOptions& options )
+{
+	return options.question == "check"  ? runWorldCheck( options )
+	       : options.question == "edge" ? runWorldEdge( options )
+	                                    : runWorldAudit( options );
+}
+
+} // namespace leeway::cli

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway world: two arms and a box on one clock, from outside.
+#include "cli_fixture.hpp"
+
+#include <nlohmann/json.hpp>
+
+/// Arms at (0, 0) and (2, 0), the second turned by half a turn: at zero their tips are 0.4 m apart. A box passes over them.
+class CliWorld : public Cli
+{
+protected:
+	void SetUp() override
+	{
+		Cli::SetUp();
+		write( "cell.yaml", world );
+		write( "swing.yaml",
+		    "joint_names: [shoulder, elbow]\npoints:\n  - {positions: [1.5, 0], time_from_start: 0}\n"
+		    "  - {positions: [0, 0], time_from_start: 2}\n  - {positions: [1.5, 0], time_from_start: 4}\n" );
+	}
+	Outcome ask( const std::string& question, std::vector<std::string> more = {} ) const
+	{
+		more.insert( more.begin(), { "world", question, "--world", "cell.yaml", "--no-cache" } );
+		return run( more );
+	}
+	/// Of "left - right", at the beginning of a line.
+	static double clearanceOf( const Outcome& outcome, const std::string& pair )
+	{
+		const std::size_t at = outcome.out.find( "\n" + pair + " " );
+		return at == std::string::npos ? -9 : std::stod( outcome.out.substr( at + 1 + pair.size() ) );
+	}
+
+	const std::string world =
+	    "leeway_world: 1\nrobots:\n  - {name: left, robot: arm.urdf, srdf: arm.srdf, motion: swing.yaml}\n"
+	    "  - {name: right, robot: arm.urdf, srdf: arm.srdf, base: {position: [2, 0, 0], orientation: [0, 0, 1, 0]}}\n"
+	    "objects:\n  - {name: box, shapes: [{type: box, dimensions: [0.2, 0.2, 0.2]}], pose: {position: [0, 0, 2]}, motion: [{start: 0, end: 5, position: [2, 0, 2]}]}\n"
+	    "scene: scene.yaml\nallowed: [[right/upper, wall], [right/fore, wall], [right/base, wall], [left/base, wall], [left/upper, wall], [left/fore, wall]]\n";
+};
+
+TEST_F( CliWorld, ACheckIsOfAnotherTime )
+{
+	const Outcome first = ask( "check" ), later = ask( "check", { "--time", "2", "--json", "c.json" } );
+	ASSERT_EQ( later.status, 0 ) << later.out << later.err;
+	EXPECT_NEAR( clearanceOf( later, "left - right" ), 0.4, 1e-6 ) << later.out;
+	EXPECT_GT( clearanceOf( first, "left - right" ), 0.8 ) << first.out;
+	// the arms' upper side is at 0.025, at least
+	EXPECT_NEAR( clearanceOf( later, "box - left" ), 2 - 0.1 - 0.025, 0.1 ) << later.out;
+	const nlohmann::json json = nlohmann::json::parse( readFile( path( "c.json" ) ) );
+	EXPECT_EQ( json["time"], 2 );
+	EXPECT_EQ( json["state"]["left/shoulder"], 0 );
+	EXPECT_NEAR( json["state"]["box/x"].get<double>(), 0.8, 1e-12 );
+	EXPECT_EQ( ask( "check", { "--time", "2", "--min-d", "0.5" } ).status, 1 );
+}
+
+TEST_F( CliWorld, AnAuditEndsBeforeTheMotions )
+{
+	const Outcome free = ask( "audit", { "--json", "a.json" } );
+	ASSERT_EQ( free.status, 0 ) << free.out << free.err;
+	EXPECT_TRUE( contains( free.out, "0 to 5 s" ) && contains( free.out, "proved" ) && contains( free.out, "\nvalid\n" ) )
+	    << free.out;
+	const nlohmann::json json = nlohmann::json::parse( readFile( path( "a.json" ) ) );
+	EXPECT_EQ( json["audit"]["verdict"], "FREE" );
+	EXPECT_GT( json["audit"]["lower_bound"].get<double>(), 0.2 );
+	const Outcome near = ask( "audit", { "--min-d", "0.5", "--first-contact", "--json", "b.json" } );
+	EXPECT_EQ( near.status, 1 ) << near.out << near.err;
+	EXPECT_TRUE( contains( near.out, "BLOCKED" ) && contains( near.out, "left/fore" ) && contains( near.out, "right/fore" ) )
+	    << near.out;
+	const nlohmann::json blocked = nlohmann::json::parse( readFile( path( "b.json" ) ) );
+	const double time = blocked["audit"]["violation"]["time"];
+	EXPECT_TRUE( time > 1 && time < 2 ) << time;
+	EXPECT_GE( blocked["audit"]["proved_until"].get<double>(), time - 2e-3 );
+	EXPECT_EQ( ask( "audit", { "--min-d", "0.5", "--to", "1" } ).status, 0 );
+	EXPECT_EQ( ask( "audit", { "--min-d", "0.5", "--from", "3.5" } ).status, 0 );
+}
+
+TEST_F( CliWorld, AnEdgeForgetsTheMotionsOfOthers )
+{
+	write( "edges.csv", "start,end,from:right/shoulder,to:right/shoulder\n3.5,5,0,1\n0,2,1.2,-0.6\n1,3,0,0.01\n" );
+	const Outcome outcome = ask( "edge", { "--edges", "edges.csv", "--min-d", "0.45" } );
+	EXPECT_EQ( outcome.status, 1 ) << outcome.err;
+	const Table table = parseTable( outcome.out );
+	ASSERT_EQ( table.rows.size(), 3u ) << outcome.out;
+	EXPECT_EQ( table.rows[0].at( "verdict" ), "FREE" );
+	EXPECT_EQ( table.rows[2].at( "verdict" ), "BLOCKED" ) << "the left arm comes";
+	EXPECT_TRUE( table.number( 2, "time" ) > 1 && table.number( 2, "time" ) < 2.1 );
+	write( "edges.csv", "start,end,from:right/shouldr,to:right/shouldr\n0,1,0,1\n" );
+	EXPECT_TRUE( contains(
+	    ask( "edge", { "--edges", "edges.csv" } ).err, "column 'from:right/shouldr': names no joint of the world" ) );
+	write( "edges.csv", "start,end,from:right/elbow\n0,1,0\n" );
+	EXPECT_TRUE( contains( ask( "edge", { "--edges", "edges.csv" } ).err, "there is no column 'to:right/elbow'" ) );
+	write( "edges.csv", "start,end,from:right/elbow,to:right/elbow\n1,1,0,1\n" );
+	EXPECT_TRUE( contains( ask( "edge", { "--edges", "edges.csv" } ).err, "line 2: begins at 1 s and ends at 1 s" ) );
+}
+
+TEST_F( CliWorld, OptionsOfAnotherQuestionAreIgnored )
+{
+	const auto error = [&]( const std::string& question, const std::vector<std::string>& more )
+	{
+		const Outcome outcome = ask( question, more );
+		EXPECT_EQ( outcome.status, 2 ) << question;
+		return outcome.err;
+	};
+	EXPECT_TRUE( contains( error( "check", { "--to", "1" } ), "--to: has no meaning for leeway world check" ) );
+	EXPECT_TRUE( contains( error( "audit", { "--time", "1" } ), "--time: has no meaning for leeway world audit" ) );
+	EXPECT_TRUE( contains( error( "edge", {} ), "--edges: is missing" ) );
+	EXPECT_TRUE( contains( error( "audit", { "--from", "2", "--to", "1" } ), "--to: 1 s is before --from 2 s" ) );
+	EXPECT_TRUE( contains( error( "frobnicate", {} ), "leeway world frobnicate: is no question" ) );
+	EXPECT_TRUE( contains( run( { "world", "audit" } ).err, "--world is required" ) );
+	EXPECT_TRUE( contains( run( { "world", "audit", "--world", "arm.urdf" } ).err, "this is a URDF" ) );
+	EXPECT_TRUE( contains( run( { "check", "--robot", "arm.urdf", "--scene", "cell.yaml", "--states", "states.csv" } ).err,
+	    "this is a world file" ) );
+}
+
+TEST_F( CliWorld, AWorldIsRefusedAsARobot )
+{
+	write( "states.csv", "left/shoulder,right/shoulder,box/x\n0,0,1\n0.2,-0.2,1\n" );
+	const Outcome outcome =
+	    run( { "check", "--robot", "cell.yaml", "--states", "states.csv", "--what", "self", "--no-cache" } );
+	ASSERT_EQ( outcome.status, 0 ) << outcome.err;
+	EXPECT_NEAR( parseTable( outcome.out ).number( 0, "self_lower" ), 0.4, 1e-6 );
+	EXPECT_TRUE( contains( outcome.err, "scene.yaml is no part of the robot" ) ) << outcome.err;
+	const Outcome plan = run( { "plan", "--robot", "cell.yaml", "--group", "right", "--goal", "right/shoulder=0.5",
+	    "--no-cache", "--out", "p.yaml" } );
+	EXPECT_EQ( plan.status, 0 ) << plan.err;
+}
+
+/// Results must not take the place of a motion.
+TEST_F( CliWorld, AResultReplacesAMotion )
+{
+	const Outcome outcome = ask( "audit", { "--json", "swing.yaml" } );
+	EXPECT_EQ( outcome.status, 2 );
+	EXPECT_TRUE( contains( outcome.err, "swing.yaml" ) ) << outcome.err;
+	EXPECT_TRUE( contains( readFile( path( "swing.yaml" ) ), "joint_names" ) );
+}
