@@ -5,6 +5,7 @@
 #include "support/command.hpp"
 
 void addAuditMotions( Bench& bench );
+void addClock( Bench& bench );
 void addCloud( Bench& bench );
 void addCompare( Bench& bench );
 void addEdits( Bench& bench );

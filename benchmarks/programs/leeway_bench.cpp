@@ -15,6 +15,7 @@ int main( int argc, char** argv )
 #ifdef LEEWAY_BENCH_IK
 	addPose( bench );
 #endif
+	addClock( bench );
 	addCloud( bench );
 	addReach( bench );
 	addStartup( bench );

@@ -317,6 +317,46 @@ const lw_clock& Schedule::clock( double until )
 	return m_clock;
 }
 
+lw_clock Schedule::clockWithout( const std::vector<std::string>& parts, double until )
+{
+	clock( until );
+	m_some_rows.clear();
+	for ( std::size_t t = 0; t < m_tracks.size(); ++t )
+	{
+		if ( std::find( parts.begin(), parts.end(), m_tracks[t].part.name ) == parts.end() )
+		{
+			m_some_rows.push_back( m_rows[t] );
+		}
+	}
+	return { m_some_rows.data(), static_cast<std::uint32_t>( m_some_rows.size() ), m_rest.data() };
+}
+
+std::vector<double> velocityLimits( const io::WorldModel& world, const io::WorldPart& part, const JointLimits& limits )
+{
+	std::vector<double> out;
+	for ( const std::string& variable : part.variables )
+	{
+		double velocity = 0;
+		for ( const io::JointModel& joint : world.robot.joints )
+		{
+			const std::vector<std::string> names = io::variableNames( joint );
+			velocity = std::find( names.begin(), names.end(), variable ) != names.end() ? joint.velocity : velocity;
+		}
+		for ( const std::string& name : { variable.substr( part.name.size() + 1 ), variable } )
+		{
+			const auto found = limits.velocity.find( name );
+			velocity = found != limits.velocity.end() && !std::isnan( found->second ) ? found->second : velocity;
+		}
+		if ( !( velocity > 0 ) )
+		{
+			throw io::Error( world.file, part.element + ": joint " + variable,
+			    "has no velocity limit, and a plan in time needs one", "give joint limits with max_velocity" );
+		}
+		out.push_back( velocity );
+	}
+	return out;
+}
+
 /// @throws io::Error naming the part and the piece
 void Schedule::check() const
 {

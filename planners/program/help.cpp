@@ -239,6 +239,8 @@ const HelpText world_help = {
 Examples: leeway world check --world cell.yaml --time 2.5
           leeway world audit --world cell.yaml --min-d 0.01 --first-contact
           leeway world edge --world cell.yaml --edges edges.csv --out out.csv
+          leeway world plan --world cell.yaml --goal left=ready --goal right=home --deadline 8 --out motions
+          leeway world view --world cell.yaml --motion left=motions/left.json --out page.html
 
 Exit status 0: free; 1: not free; 2: error.)",
     R"(check: the clearances at one time: the nearest pair of each two robots, of each robot and itself, each moving object, and the scene.
@@ -249,6 +251,15 @@ motions of the file allow. Otherwise the answer names a time, a pair and the sta
 edge: edges.csv has the columns start, end (seconds), from:JOINT and to:JOINT, then one motion per line. The robots whose joints are named drive
 straight from number to number in place of their own motions, and all else moves as the file says; their joints without columns stay
 where they are at the start. out.csv: index,verdict,time,proved_until,clearance,pair,by_unknown_motion,states
+
+plan: the robots of --goal go from where they stand at --from to their goals by --deadline, beside all else as the file and --motion say. One
+after the other, each beside those before it: orders are tried until one works; or --together, in one search. They may wait; their joints
+keep to their velocities (of the URDF, or of --joint-limits). After its arrival a robot rests until all else has ended. All of it is proved for
+the file's lags, tolerances and unknown motions. Only clearances of the planned robots count. --out has ROBOT.json of each.
+
+view: robots and objects on one timeline, with the proof of `audit`.
+
+--motion ROBOT=FILE takes the place of the robot's motion in all questions.
 
 Joints of robot left are called left/JOINT. Format of the world file: ompl_bridge/docs/worlds.md. Every command reads a world file as --robot, too:
 without times, and without the scene that it names.)" };

@@ -419,10 +419,13 @@ void validate( const CLI::App& app, WorldOptions& options )
 {
 	const std::map<std::string, std::vector<std::string>> own = { { "check", { "--time", "--json" } },
 	    { "edge", { "--edges", "--out", "--slack" } },
-	    { "audit", { "--from", "--to", "--first-contact", "--slack", "--json" } } };
+	    { "audit", { "--from", "--to", "--first-contact", "--slack", "--json" } },
+	    { "plan", { "--goal", "--from", "--deadline", "--together", "--seconds", "--seed", "--joint-limits", "--out",
+	                  "--slack", "--json" } },
+	    { "view", { "--from", "--to", "--out", "--slack" } } };
 	if ( own.count( options.question ) == 0 )
 	{
-		wrong( "leeway world " + options.question, "is no question", "ask check, edge or audit" );
+		wrong( "leeway world " + options.question, "is no question", "ask check, edge, audit, plan or view" );
 	}
 	const std::vector<std::string>& allowed = own.at( options.question );
 	for ( const auto& [question, names] : own )
@@ -455,6 +458,25 @@ void validate( const CLI::App& app, WorldOptions& options )
 	{
 		wrong( "--edges", "is missing", "give a table of motions" );
 	}
+	if ( options.question == "view" && options.out.empty() )
+	{
+		wrong( "--out", "is missing", "name the page" );
+	}
+	if ( options.question != "plan" )
+	{
+		return;
+	}
+	if ( options.goals.empty() )
+	{
+		wrong( "--goal", "is missing", "give ROBOT=STATE of each robot that is to move" );
+	}
+	if ( !given( app, "--deadline" ) || !( options.deadline > options.from ) || !std::isfinite( options.deadline ) )
+	{
+		wrong( "--deadline", "is missing, or not after --from",
+		    "give the seconds on the clock by which the goals are reached" );
+	}
+	requirePositive( "--seconds", options.search_seconds );
+	requirePositive( "--seed", options.seed );
 }
 
 void validate( const CLI::App& app, const PictureOptions& options )

@@ -151,12 +151,17 @@ struct AuditOptions
 struct WorldOptions
 {
 	CommonOptions common;
-	std::string question; ///< check, edge or audit
+	std::string question; ///< check, edge, audit, plan or view
 	double time = 0, from = 0, to = 0;
 	bool time_given = false, from_given = false, to_given = false;
 	double slack = 0.001;
 	bool first_contact = false;
-	std::string edges, out, json;
+	std::string edges, out, json, joint_limits;
+	std::vector<std::string> motions; ///< ROBOT=FILE
+	std::vector<std::string> goals;   ///< ROBOT=STATE or ROBOT=JOINT=VALUE,...
+	double deadline = 0, search_seconds = 10;
+	std::uint32_t seed = 1;
+	bool together = false;
 };
 
 struct ViewOptions

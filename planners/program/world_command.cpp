@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway world: several robots and moving objects on one clock.
-#include "leeway/motions/schedule.hpp"
 #include "leeway/near.h"
 #include "motions/csv.hpp"
 #include "motions/names.hpp"
 #include "motions/report.hpp"
-#include "program/setup.hpp"
+#include "program/page_file.hpp"
+#include "program/world_cell.hpp"
+
+#include "leeway/prepare.hpp"
 
 #include <fmt/format.h>
 
@@ -22,29 +24,7 @@ namespace
 /// Seconds: the first contact is known to this.
 constexpr double contact_resolution = 1e-3;
 
-/// The world, its checker and its motions.
-class Cell
-{
-public:
-	Cell( const WorldOptions& options, Notices& notices )
-	    : m_input( loadInput( options.common, notices ) ), m_bench( m_input, "", m_input.world->state().values, notices )
-	{
-	}
-	const io::WorldModel& world() const { return *m_input.world; }
-	const Workbench& bench() const { return m_bench; }
-
-private:
-	Input m_input;
-	Workbench m_bench;
-};
-
 // ---- check -----------------------------------------------------------------------------------------------------------
-
-/// The robot or object that a link belongs to: what stands before the first slash.
-std::string ownerOf( const std::string& link )
-{
-	return link.substr( 0, link.find( '/' ) );
-}
 
 struct Nearest
 {
@@ -295,12 +275,72 @@ int runWorldEdge( const WorldOptions& options )
 	return free == table.rows.size() ? exit_yes : exit_no;
 }
 
+// ---- view ------------------------------------------------------------------------------------------------------------
+
+/// Seconds: the page draws motions as straight between states this far apart, and at the ends of pieces.
+constexpr double picture_step = 0.02;
+
+/// The schedule as a page plays it.
+std::vector<Segment> drawnSegments( Schedule& schedule, double from, double to )
+{
+	std::vector<Segment> out;
+	const auto steps = static_cast<std::size_t>( std::ceil( std::max( 1.0, ( to - from ) / picture_step ) ) );
+	std::vector<double> last = schedule.state( from );
+	for ( std::size_t i = 1; i <= steps; ++i )
+	{
+		const auto at = [&]( std::size_t k )
+		{ return from + ( to - from ) * static_cast<double>( k ) / static_cast<double>( steps ); };
+		const std::vector<double> next = schedule.state( at( i ) );
+		Segment segment{ at( i - 1 ) - from, at( i ) - at( i - 1 ), 1, last };
+		segment.points.insert( segment.points.end(), next.begin(), next.end() );
+		out.push_back( segment );
+		last = next;
+	}
+	return out;
+}
+
+int runWorldView( const WorldOptions& options )
+{
+	Notices notices( options.common.verbose );
+	ViewFile view( options.out );
+	Cell cell( options, notices );
+	(void)prepare( cell.bench().checker() );
+	const io::Problem& problem = cell.bench().problem();
+	Schedule schedule( cell.world(), problem );
+	notices.add( "motions", schedule.notices() );
+	const double from = options.from;
+	const double to = options.to_given ? options.to : std::max( schedule.duration(), from + picture_step );
+	ScheduleSettings settings = settingsOf( options );
+	settings.from = from;
+	settings.to = to;
+	settings.contact_resolution = contact_resolution;
+	const ScheduleAudit audit = auditSchedule( schedule, settings );
+	Progress progress( "measuring the motions" );
+	const lw_check_flags flags = options.common.checkFlags();
+	const Measuring how = { problem, flags, options.common.min_d, options.common.cell, shownBy( progress ) };
+	PageInput page = pageOf( cell.input(), problem, motionOfTrajectory( how, drawnSegments( schedule, from, to ) ), flags );
+	page.min_d = options.common.min_d;
+	page.source = options.common.cell;
+	page.notes = notices.all();
+	page.notes.push_back(
+	    fmt::format( "Motions are drawn straight between states {:g} s apart. The proof is about the motions themselves:",
+	        picture_step ) );
+	page.notes.push_back( describe( audit ) );
+	std::vector<OutputFile*> files;
+	view.write( std::move( page ), files );
+	commitTogether( files );
+	printOut( describe( audit ) );
+	return exit_yes;
+}
+
 } // namespace
 
 int runWorld( const WorldOptions& options )
 {
 	return options.question == "check"  ? runWorldCheck( options )
 	       : options.question == "edge" ? runWorldEdge( options )
+	       : options.question == "plan" ? runWorldPlan( options )
+	       : options.question == "view" ? runWorldView( options )
 	                                    : runWorldAudit( options );
 }
 

@@ -72,7 +72,7 @@ static lwi_track_part part_at( const lw_track* track, double time )
 	const lw_timed_piece* piece = &track->pieces[begun - 1];
 	if ( !( time < piece->end ) || piece->degree == 0 )
 	{
-		return ( lwi_track_part ){ NULL, last_point( track, piece ), time < piece->end ? piece->end : next };
+		return ( lwi_track_part ){ NULL, last_point( track, piece ), next };
 	}
 	return ( lwi_track_part ){ piece, NULL, piece->end };
 }

@@ -56,4 +56,5 @@ NB_MODULE( _core, module )
 	bindReach( module );
 	bindScenes( module );
 	bindCheckers( module );
+	bindTimedWorlds( module );
 }

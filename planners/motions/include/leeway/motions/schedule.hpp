@@ -5,6 +5,7 @@
 #include "leeway/clock.h"
 #include "leeway/io/world_model.hpp"
 #include "leeway/motions/states.hpp"
+#include "leeway/motions/trajectory_file.hpp"
 
 #include <cstddef>
 #include <string>
@@ -37,6 +38,8 @@ public:
 	/// The clock, on which loops go on until then at least. It is valid until the next call of this or of add(), and as long as this lives.
 	/// @throws io::Error (loops of more than most_pieces pieces)
 	const lw_clock& clock( double until );
+	/// The same without the tracks of some parts, for planners that move these. It is valid as long as clock()'s.
+	lw_clock clockWithout( const std::vector<std::string>& parts, double until );
 	/// The group's state.
 	std::vector<double> state( double time );
 
@@ -63,12 +66,16 @@ private:
 	std::string m_file; ///< of the world
 	const io::Problem& m_problem;
 	std::vector<Track> m_tracks;
-	std::vector<lw_track> m_rows;
+	std::vector<lw_track> m_rows, m_some_rows;
 	std::vector<double> m_rest; ///< [group variables]
 	std::vector<io::Notice> m_notices;
 	double m_until = 0;
 	lw_clock m_clock{};
 };
+
+/// Largest velocities of a part's variables: of `limits`, by names with or without the robot's, else of the robot's description.
+/// @return [io::WorldPart::variables] @throws io::Error for a variable without one
+std::vector<double> velocityLimits( const io::WorldModel& world, const io::WorldPart& part, const JointLimits& limits );
 
 struct ScheduleSettings
 {

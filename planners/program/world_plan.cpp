@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway world plan: robots beside all that moves, in states and time.
+#include "leeway/motions/trajectory.hpp"
+#include "leeway/planners/timed_planner.hpp"
+#include "motions/csv.hpp"
+#include "motions/names.hpp"
+#include "motions/report.hpp"
+#include "program/world_cell.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace leeway::cli
+{
+namespace
+{
+
+/// A robot and where it is to go: of --goal ROBOT=STATE.
+struct Wanted
+{
+	std::string robot, state, option;
+};
+
+std::vector<Wanted> wantedOf( const WorldOptions& options )
+{
+	std::vector<Wanted> out;
+	for ( const std::string& text : options.goals )
+	{
+		const std::size_t equals = text.find( '=' );
+		const Wanted wanted = {
+		    text.substr( 0, equals ), equals == std::string::npos ? "" : text.substr( equals + 1 ), "--goal " + text };
+		if ( wanted.state.empty() )
+		{
+			throw io::Error( "command line", wanted.option, "names no state",
+			    "write ROBOT=STATE of the SRDF, or ROBOT=JOINT=VALUE,JOINT=VALUE" );
+		}
+		if ( std::any_of( out.begin(), out.end(), [&]( const Wanted& w ) { return w.robot == wanted.robot; } ) )
+		{
+			throw io::Error( "command line", wanted.option, "a robot has one goal", "remove one of them" );
+		}
+		out.push_back( wanted );
+	}
+	return out;
+}
+
+/// Values of a goal, by their names with the robot's; joints that it does not name keep theirs.
+std::vector<double> goalOf(
+    const io::WorldModel& world, const io::WorldPart& part, const Wanted& wanted, std::vector<double> values )
+{
+	const auto set = [&]( const std::string& name, double value )
+	{
+		auto found = std::find( part.variables.begin(), part.variables.end(), part.name + "/" + name );
+		found = found != part.variables.end() ? found : std::find( part.variables.begin(), part.variables.end(), name );
+		if ( found == part.variables.end() )
+		{
+			throw io::Error( "command line", wanted.option, fmt::format( "robot {} has no joint '{}'", part.name, name ),
+			    useOneOf( part.name + "/" + name, part.variables ) );
+		}
+		values[static_cast<std::size_t>( found - part.variables.begin() )] = value;
+	};
+	if ( wanted.state.find( '=' ) == std::string::npos )
+	{
+		const io::GroupState& state = world.robot.useGroupState( "", part.name + "/" + wanted.state );
+		for ( const io::JointModel& joint : world.robot.joints )
+		{
+			const std::vector<std::string> names = io::variableNames( joint );
+			const auto found = state.joints.find( joint.name );
+			for ( std::size_t i = 0; found != state.joints.end() && i < names.size() && i < found->second.size(); ++i )
+			{
+				set( names[i], found->second[i] );
+			}
+		}
+		return values;
+	}
+	for ( std::size_t from = 0; from <= wanted.state.size(); )
+	{
+		const std::size_t comma = std::min( wanted.state.find( ',', from ), wanted.state.size() );
+		const std::string one = trimmed( wanted.state.substr( from, comma - from ) );
+		from = comma + 1;
+		const std::size_t equals = one.rfind( '=' );
+		const std::optional<double> value =
+		    equals == std::string::npos ? std::nullopt : finiteNumber( trimmed( one.substr( equals + 1 ) ) );
+		if ( !value )
+		{
+			throw io::Error( "command line", wanted.option, fmt::format( "'{}' is not joint=value", one ),
+			    "write ROBOT=JOINT=VALUE,JOINT=VALUE with finite numbers" );
+		}
+		set( trimmed( one.substr( 0, equals ) ), *value );
+	}
+	return values;
+}
+
+/// A robot of the world as the planner takes it: those of its variables that the goal changes, and their way there.
+planners::TimedRobot robotOf(
+    const Cell& cell, Schedule& schedule, const Wanted& wanted, const JointLimits& limits, double from )
+{
+	const io::WorldModel& world = cell.world();
+	const io::WorldPart& part = world.part( wanted.robot );
+	if ( part.kind != io::WorldPart::Kind::robot )
+	{
+		throw io::Error( "command line", wanted.option, wanted.robot + " is an object", "name a robot of the world" );
+	}
+	const std::vector<std::string>& group = schedule.problem().variable_names;
+	const std::vector<double> standing = schedule.state( from );
+	planners::TimedRobot robot;
+	robot.name = part.name;
+	robot.lag = part.lag;
+	robot.velocity = velocityLimits( world, part, limits );
+	for ( std::size_t i = 0; i < part.variables.size(); ++i )
+	{
+		const auto v =
+		    static_cast<std::size_t>( std::find( group.begin(), group.end(), part.variables[i] ) - group.begin() );
+		robot.variables.push_back( static_cast<std::uint32_t>( v ) );
+		robot.tolerance.push_back( part.tolerance[i] );
+		robot.start.push_back( standing[v] );
+	}
+	robot.goals = { goalOf( world, part, wanted, robot.start ) };
+	return robot;
+}
+
+std::string trajectoryText( const io::WorldPart& part, const planners::TimedPath& path )
+{
+	Json trajectory;
+	for ( const std::string& variable : part.variables )
+	{
+		trajectory["joint_names"].push_back( variable.substr( part.name.size() + 1 ) );
+	}
+	for ( std::size_t i = 0; i < path.count(); ++i )
+	{
+		Json point;
+		point["positions"] = std::vector<double>( path[i], path[i] + path.dimension );
+		point["time_from_start"] = path.times[i];
+		trajectory["points"].push_back( point );
+	}
+	Json json;
+	json["joint_trajectory"] = trajectory;
+	return jsonText( json );
+}
+
+std::string describe( const planners::SchedulePlan& plan, const std::vector<planners::TimedRobot>& robots )
+{
+	std::string text;
+	if ( plan.outcome != planners::Outcome::SOLVED )
+	{
+		return fmt::format( "not solved: {}\n", plan.problem );
+	}
+	for ( std::size_t r = 0; r < robots.size(); ++r )
+	{
+		const planners::TimedPath& path = plan.paths[r];
+		text += fmt::format( "{:<12}{} points, from {:g} s to {:.3f} s\n", robots[r].name, path.count(), path.times.front(),
+		    path.times.back() );
+	}
+	if ( plan.order.size() > 1 )
+	{
+		text += "planned in the order";
+		for ( const std::size_t r : plan.order )
+		{
+			text += " " + robots[r].name;
+		}
+		text += "\n";
+	}
+	return text + fmt::format( "proved: every clearance of the planned robots is at least {:.6g} m until {:.3f} s\n",
+	                  plan.proof.lower_bound, plan.proof.time );
+}
+
+} // namespace
+
+int runWorldPlan( const WorldOptions& options )
+{
+	Notices notices( options.common.verbose );
+	JointLimits limits;
+	if ( !options.joint_limits.empty() )
+	{
+		limits = readJointLimits( options.joint_limits );
+		readsFile( "--joint-limits", options.joint_limits );
+		notices.add( "joint limits of the file", limits.notices );
+	}
+	const std::vector<Wanted> wanted = wantedOf( options );
+	OutputFile json_file( "--json", options.json );
+	std::set<std::string> focus;
+	for ( const Wanted& one : wanted )
+	{
+		focus.insert( one.robot );
+	}
+	const Cell cell( options, notices, focus );
+	Schedule schedule( cell.world(), cell.bench().problem() );
+	notices.add( "motions", schedule.notices() );
+	std::vector<planners::TimedRobot> robots;
+	for ( const Wanted& one : wanted )
+	{
+		robots.push_back( robotOf( cell, schedule, one, limits, options.from ) );
+	}
+	const lw_clock others = schedule.clockWithout( { focus.begin(), focus.end() }, options.deadline );
+	planners::ScheduleSettings settings;
+	settings.timed.timed.edge.min_d = options.common.min_d;
+	settings.timed.timed.edge.slack = options.slack;
+	settings.timed.timed.edge.flags = options.common.checkFlags();
+	settings.timed.start_time = options.from;
+	settings.timed.deadline = options.deadline;
+	settings.timed.seed = options.seed;
+	settings.together = options.together;
+	settings.search_seconds = options.search_seconds;
+	planners::SchedulePlan plan;
+	{
+		const Progress progress( "planning" );
+		try
+		{
+			plan = planners::planSchedule( cell.bench().problem().checker, cell.bench().query(), robots, others, settings );
+		}
+		catch ( const planners::InputError& error )
+		{
+			throw io::Error( options.common.cell, "plan", error.what(), "correct the world or the goals" );
+		}
+	}
+	const bool solved = plan.outcome == planners::Outcome::SOLVED;
+	std::vector<std::unique_ptr<OutputFile>> trajectories;
+	std::vector<OutputFile*> files;
+	std::string again;
+	for ( std::size_t r = 0; solved && !options.out.empty() && r < robots.size(); ++r )
+	{
+		std::filesystem::create_directories( options.out );
+		const std::string file = ( std::filesystem::path( options.out ) / ( robots[r].name + ".json" ) ).string();
+		trajectories.push_back( std::make_unique<OutputFile>( "--out", file ) );
+		trajectories.back()->text = trajectoryText( cell.world().part( robots[r].name ), plan.paths[r] );
+		files.push_back( trajectories.back().get() );
+		again += fmt::format( " --motion {}={}", robots[r].name, file );
+	}
+	if ( !options.json.empty() )
+	{
+		Json json;
+		json["world"] = options.common.cell;
+		json["outcome"] = planners::name( plan.outcome );
+		json["problem"] = plan.problem;
+		for ( std::size_t r = 0; solved && r < robots.size(); ++r )
+		{
+			json["arrivals"][robots[r].name] = plan.paths[r].times.back();
+		}
+		json["lower_bound"] = solved ? plan.proof.lower_bound : 0;
+		json["proved_until"] = solved ? plan.proof.time : options.from;
+		json["edges"] = plan.statistics.edges;
+		json["samples"] = plan.statistics.samples;
+		json["notices"] = notices.all();
+		json_file.text = jsonText( json );
+		files.push_back( &json_file );
+	}
+	commitTogether( files );
+	printOut( describe( plan, robots ) );
+	if ( !again.empty() )
+	{
+		tell( "leeway: look at it by leeway world view --world {}{} --out page.html\n", options.common.cell, again );
+	}
+	return solved ? exit_yes : exit_no;
+}
+
+} // namespace leeway::cli
