@@ -12,10 +12,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <new>
 #include <regex>
+#include <unistd.h>
 
 namespace leeway::cli
 {
@@ -627,6 +631,25 @@ int guarded( const std::function<int()>& run )
 }
 
 } // namespace
+
+/// The program leeway-bench links the libraries that leeway is compared with.
+int runBench( int argc, char** argv )
+{
+	std::error_code error;
+	const std::filesystem::path self = std::filesystem::read_symlink( "/proc/self/exe", error );
+	const std::string beside = ( self.parent_path() / "leeway-bench" ).string();
+	std::string name = "leeway-bench";
+	std::vector<char*> arguments = { name.data() };
+	arguments.insert( arguments.end(), argv + 2, argv + argc );
+	arguments.push_back( nullptr );
+	execv( beside.c_str(), arguments.data() );
+	execvp( name.c_str(), arguments.data() ); // on the PATH
+	tell( "leeway: error: leeway-bench: {}; it is built with the benchmarks (-DLEEWAY_BUILD_BENCHMARKS=ON), which need "
+	      "FCL, and is looked for beside leeway and on the PATH\n",
+	    std::strerror( errno ) );
+	return exit_error;
+}
+
 } // namespace leeway::cli
 
 int main( int argc, char** argv )

@@ -153,6 +153,18 @@ void readRobot( const CommonOptions& options, io::LoadOptions load, Input& input
 	}
 }
 
+/// The files of the command line.
+void readsNamed( const CommonOptions& options )
+{
+	for ( const auto& [option, file] : { std::pair( "--robot", &options.robot ), std::pair( "--srdf", &options.srdf ),
+	          std::pair( "--scene", &options.scene ), std::pair( "--request", &options.request ),
+	          std::pair( "--margins", &options.margins ), std::pair( "--padding", &options.padding ),
+	          std::pair( "--world", &options.cell ) } )
+	{
+		readsFile( option, *file );
+	}
+}
+
 void readWorld( const CommonOptions& options, io::LoadOptions load, Input& input )
 {
 	const Progress progress( "reading the world and building its trees" );
@@ -180,13 +192,7 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 	load.strict = options.strict || options.all_pairs;
 	load.detail = 1e-3 * options.detail;
 	load.cache_limit = static_cast<std::uint64_t>( options.cache_limit * 1e6 );
-	for ( const auto& [option, file] : { std::pair( "--robot", &options.robot ), std::pair( "--srdf", &options.srdf ),
-	          std::pair( "--scene", &options.scene ), std::pair( "--request", &options.request ),
-	          std::pair( "--margins", &options.margins ), std::pair( "--padding", &options.padding ),
-	          std::pair( "--world", &options.cell ) } )
-	{
-		readsFile( option, *file );
-	}
+	readsNamed( options );
 	Input input;
 	if ( !options.cache.empty() )
 	{

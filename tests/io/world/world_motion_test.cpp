@@ -138,6 +138,81 @@ std::string text( const Quaternion& q )
 	return fmt::format( "[{}, {}, {}, {}]", q[0], q[1], q[2], q[3] );
 }
 
+Vector randomVector( SeededRng& random )
+{
+	return { random.uniform( -2, 2 ), random.uniform( -2, 2 ), random.uniform( -2, 2 ) };
+}
+
+/// A piece of a motion, evaluated by the formulas above.
+class Known
+{
+public:
+	/// A random piece from a pose. @param text of its keys
+	Known( SeededRng& random, const Vector& position, const Quaternion& orientation, std::string& keys )
+	    : m_from( poseOfQuaternion( position, orientation ) ), m_a( orientation ), m_b( orientation ), m_points{ position }
+	{
+		const int kind = random.integer( 0, 3 );
+		m_screw = kind == 3;
+		keys = m_screw ? screw( random ) : curve( random, kind == 0, kind != 1 );
+	}
+	lw_transform at( double s ) const
+	{
+		return m_screw ? screwed( m_from, m_axis, m_point, s * m_angle, s * m_shift )
+		               : poseOfQuaternion( bezier( m_points, s ), slerp( m_a, m_b, s ) );
+	}
+	Vector position() const
+	{
+		const lw_transform end = at( 1 );
+		return { end.t[0], end.t[1], end.t[2] };
+	}
+	Quaternion orientation() const
+	{
+		const lw_transform end = at( 1 );
+		Quaternion q = m_b;
+		if ( m_screw )
+		{
+			lw_transform_to_quaternion( &end, q.data() );
+		}
+		return q;
+	}
+
+private:
+	std::string screw( SeededRng& random )
+	{
+		Quaternion any;
+		random.quaternion( any.data() );
+		const double size = std::hypot( any[0], any[1], any[2] );
+		m_axis = { any[0] / size, any[1] / size, any[2] / size };
+		m_point = randomVector( random );
+		m_angle = random.uniform( -5, 5 );
+		m_shift = random.uniform( -1, 1 );
+		return fmt::format(
+		    "turn: {{axis: {}, point: {}, angle: {}, shift: {}}}", text( m_axis ), text( m_point ), m_angle, m_shift );
+	}
+	std::string curve( SeededRng& random, bool straight, bool turns )
+	{
+		std::string list = text( m_points[0] );
+		for ( int k = straight ? 1 : random.integer( 1, 7 ); k > 0; --k )
+		{
+			m_points.push_back( randomVector( random ) );
+			list += ", " + text( m_points.back() );
+		}
+		if ( turns )
+		{
+			random.quaternion( m_b.data() );
+		}
+		return ( turns ? "orientation: " + text( m_b ) + ", " : "" ) +
+		       ( straight ? "position: " + text( m_points[1] ) : "points: [" + list + "]" );
+	}
+
+	lw_transform m_from;
+	Quaternion m_a, m_b;
+	std::vector<Vector> m_points;
+	Vector m_axis{}, m_point{};
+	double m_angle = 0, m_shift = 0;
+	bool m_screw = false;
+};
+
 class WorldMotionTest : public WorldFileTest
 {
 protected:
@@ -148,10 +223,6 @@ protected:
 	static lw_transform poseAt( const WorldModel& world, double time )
 	{
 		return poseOf( world.robot, valuesAt( world.part( "box" ), time ), "box" );
-	}
-	static Vector randomVector( SeededRng& random )
-	{
-		return { random.uniform( -2, 2 ), random.uniform( -2, 2 ), random.uniform( -2, 2 ) };
 	}
 	static const JointModel& jointOf( const WorldModel& world, const std::string& name )
 	{
@@ -174,76 +245,27 @@ TEST_F( WorldMotionTest, AnObjectIsElsewhereThanItsPiecesSay )
 	SeededRng random;
 	for ( int round = 0; round < 20; ++round )
 	{
-		struct Known
-		{
-			int kind;
-			lw_transform from;
-			Quaternion a, b;
-			std::vector<Vector> points;
-			Vector axis, point;
-			double angle, shift;
-		};
 		std::vector<Known> pieces;
 		Vector position = randomVector( random );
 		Quaternion orientation;
 		random.quaternion( orientation.data() );
 		const std::string pose =
 		    fmt::format( "pose: {{position: {}, orientation: {}}}", text( position ), text( orientation ) );
-		std::string motion;
+		std::string motion, keys;
 		for ( int i = 0; i < 5; ++i )
 		{
-			Known known{ random.integer( 0, 3 ), poseOfQuaternion( position, orientation ), orientation, orientation,
-			    { position }, {}, {}, 0, 0 };
-			motion += fmt::format( "{}{{start: {}, end: {}, ", i > 0 ? ", " : "", 2 * i, 2 * i + 1.5 );
-			if ( known.kind == 3 )
-			{
-				Quaternion any;
-				random.quaternion( any.data() );
-				const double size = std::hypot( any[0], any[1], any[2] );
-				known.axis = { any[0] / size, any[1] / size, any[2] / size };
-				known.point = randomVector( random );
-				known.angle = random.uniform( -5, 5 );
-				known.shift = random.uniform( -1, 1 );
-				motion += fmt::format( "turn: {{axis: {}, point: {}, angle: {}, shift: {}}}}}", text( known.axis ),
-				    text( known.point ), known.angle, known.shift );
-				const lw_transform end = screwed( known.from, known.axis, known.point, known.angle, known.shift );
-				lw_transform_to_quaternion( &end, orientation.data() );
-				position = { end.t[0], end.t[1], end.t[2] };
-			}
-			else
-			{
-				const int degree = known.kind == 0 ? 1 : random.integer( 1, 7 );
-				for ( int k = 0; k < degree; ++k )
-				{
-					known.points.push_back( randomVector( random ) );
-				}
-				if ( known.kind != 1 )
-				{
-					random.quaternion( known.b.data() );
-					motion += "orientation: " + text( known.b ) + ", ";
-				}
-				std::string list;
-				for ( const Vector& point : known.points )
-				{
-					list += ( list.empty() ? "" : ", " ) + text( point );
-				}
-				motion += known.kind == 0 ? "position: " + text( known.points[1] ) + "}" : "points: [" + list + "]}";
-				position = known.points.back();
-				orientation = known.b;
-			}
-			pieces.push_back( known );
+			pieces.emplace_back( random, position, orientation, keys );
+			motion += fmt::format( "{}{{start: {}, end: {}, {}}}", i > 0 ? ", " : "", 2 * i, 2 * i + 1.5, keys );
+			position = pieces.back().position();
+			orientation = pieces.back().orientation();
 		}
 		const WorldModel world = loadObject( pose + ", motion: [" + motion + "]" );
 		for ( double time = -0.5; time < 11; time += 0.23 )
 		{
 			const int i = static_cast<int>( std::fmin( 4, std::fmax( 0, std::floor( time / 2 ) ) ) );
-			const Known& known = pieces[static_cast<std::size_t>( i )];
 			const double s = std::fmin( 1, std::fmax( 0, ( time - 2 * i ) / 1.5 ) );
-			const lw_transform expected =
-			    known.kind == 3 ? screwed( known.from, known.axis, known.point, s * known.angle, s * known.shift )
-			                    : poseOfQuaternion( bezier( known.points, s ), slerp( known.a, known.b, s ) );
-			expectNear(
-			    poseAt( world, time ), expected, 1e-8, fmt::format( "round {}, {} s, kind {}", round, time, known.kind ) );
+			expectNear( poseAt( world, time ), pieces[static_cast<std::size_t>( i )].at( s ), 1e-8,
+			    fmt::format( "round {}, {} s", round, time ) );
 		}
 		for ( const JointModel& joint : world.robot.joints ) // limits contain the motion
 		{

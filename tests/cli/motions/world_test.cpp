@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-/// Arms at (0, 0) and (2, 0), the second turned by half a turn: at zero their tips are 0.4 m apart. A box passes over them.
+/// Arms at x = 0 and 1.8, the second turned by half a turn: at zero their tips are 0.2 m apart. A box passes over them.
 class CliWorld : public Cli
 {
 protected:
@@ -30,7 +30,7 @@ protected:
 
 	const std::string world =
 	    "leeway_world: 1\nrobots:\n  - {name: left, robot: arm.urdf, srdf: arm.srdf, motion: swing.yaml}\n"
-	    "  - {name: right, robot: arm.urdf, srdf: arm.srdf, base: {position: [2, 0, 0], orientation: [0, 0, 1, 0]}}\n"
+	    "  - {name: right, robot: arm.urdf, srdf: arm.srdf, base: {position: [1.8, 0, 0], orientation: [0, 0, 1, 0]}}\n"
 	    "objects:\n  - {name: box, shapes: [{type: box, dimensions: [0.2, 0.2, 0.2]}], pose: {position: [0, 0, 2]}, motion: [{start: 0, end: 5, position: [2, 0, 2]}]}\n"
 	    "scene: scene.yaml\nallowed: [[right/upper, wall], [right/fore, wall], [right/base, wall], [left/base, wall], [left/upper, wall], [left/fore, wall]]\n";
 };
@@ -39,15 +39,15 @@ TEST_F( CliWorld, ACheckIsOfAnotherTime )
 {
 	const Outcome first = ask( "check" ), later = ask( "check", { "--time", "2", "--json", "c.json" } );
 	ASSERT_EQ( later.status, 0 ) << later.out << later.err;
-	EXPECT_NEAR( clearanceOf( later, "left - right" ), 0.4, 1e-6 ) << later.out;
-	EXPECT_GT( clearanceOf( first, "left - right" ), 0.8 ) << first.out;
+	EXPECT_NEAR( clearanceOf( later, "left - right" ), 0.2, 1e-6 ) << later.out;
+	EXPECT_GT( clearanceOf( first, "left - right" ), 0.6 ) << first.out;
 	// the arms' upper side is at 0.025, at least
 	EXPECT_NEAR( clearanceOf( later, "box - left" ), 2 - 0.1 - 0.025, 0.1 ) << later.out;
 	const nlohmann::json json = nlohmann::json::parse( readFile( path( "c.json" ) ) );
 	EXPECT_EQ( json["time"], 2 );
 	EXPECT_EQ( json["state"]["left/shoulder"], 0 );
 	EXPECT_NEAR( json["state"]["box/x"].get<double>(), 0.8, 1e-12 );
-	EXPECT_EQ( ask( "check", { "--time", "2", "--min-d", "0.5" } ).status, 1 );
+	EXPECT_EQ( ask( "check", { "--time", "2", "--min-d", "0.25" } ).status, 1 );
 }
 
 TEST_F( CliWorld, AnAuditEndsBeforeTheMotions )
@@ -58,8 +58,8 @@ TEST_F( CliWorld, AnAuditEndsBeforeTheMotions )
 	    << free.out;
 	const nlohmann::json json = nlohmann::json::parse( readFile( path( "a.json" ) ) );
 	EXPECT_EQ( json["audit"]["verdict"], "FREE" );
-	EXPECT_GT( json["audit"]["lower_bound"].get<double>(), 0.2 );
-	const Outcome near = ask( "audit", { "--min-d", "0.5", "--first-contact", "--json", "b.json" } );
+	EXPECT_GT( json["audit"]["lower_bound"].get<double>(), 0 );
+	const Outcome near = ask( "audit", { "--min-d", "0.25", "--first-contact", "--json", "b.json" } );
 	EXPECT_EQ( near.status, 1 ) << near.out << near.err;
 	EXPECT_TRUE( contains( near.out, "BLOCKED" ) && contains( near.out, "left/fore" ) && contains( near.out, "right/fore" ) )
 	    << near.out;
@@ -67,14 +67,14 @@ TEST_F( CliWorld, AnAuditEndsBeforeTheMotions )
 	const double time = blocked["audit"]["violation"]["time"];
 	EXPECT_TRUE( time > 1 && time < 2 ) << time;
 	EXPECT_GE( blocked["audit"]["proved_until"].get<double>(), time - 2e-3 );
-	EXPECT_EQ( ask( "audit", { "--min-d", "0.5", "--to", "1" } ).status, 0 );
-	EXPECT_EQ( ask( "audit", { "--min-d", "0.5", "--from", "3.5" } ).status, 0 );
+	EXPECT_EQ( ask( "audit", { "--min-d", "0.25", "--to", "1" } ).status, 0 );
+	EXPECT_EQ( ask( "audit", { "--min-d", "0.25", "--from", "3.5" } ).status, 0 );
 }
 
 TEST_F( CliWorld, AnEdgeForgetsTheMotionsOfOthers )
 {
 	write( "edges.csv", "start,end,from:right/shoulder,to:right/shoulder\n3.5,5,0,1\n0,2,1.2,-0.6\n1,3,0,0.01\n" );
-	const Outcome outcome = ask( "edge", { "--edges", "edges.csv", "--min-d", "0.45" } );
+	const Outcome outcome = ask( "edge", { "--edges", "edges.csv", "--min-d", "0.25" } );
 	EXPECT_EQ( outcome.status, 1 ) << outcome.err;
 	const Table table = parseTable( outcome.out );
 	ASSERT_EQ( table.rows.size(), 3u ) << outcome.out;
@@ -115,7 +115,7 @@ TEST_F( CliWorld, AWorldIsRefusedAsARobot )
 	const Outcome outcome =
 	    run( { "check", "--robot", "cell.yaml", "--states", "states.csv", "--what", "self", "--no-cache" } );
 	ASSERT_EQ( outcome.status, 0 ) << outcome.err;
-	EXPECT_NEAR( parseTable( outcome.out ).number( 0, "self_lower" ), 0.4, 1e-6 );
+	EXPECT_NEAR( parseTable( outcome.out ).number( 0, "self_lower" ), 0.2, 1e-6 );
 	EXPECT_TRUE( contains( outcome.err, "scene.yaml is no part of the robot" ) ) << outcome.err;
 	const Outcome plan = run( { "plan", "--robot", "cell.yaml", "--group", "right", "--goal", "right/shoulder=0.5",
 	    "--no-cache", "--out", "p.yaml" } );
