@@ -17,34 +17,11 @@ ShapePtr made( lw_status status, lw_shape* const& shape )
 	return ShapePtr( shape );
 }
 
-/// An angle profile of two arms, as a solid mesh.
-ShapePtr angleIron( SeededRng& rng )
-{
-	const double a = rng.uniform( 0.2, 0.6 ), b = rng.uniform( 0.2, 0.6 ), t = rng.uniform( 0.02, 0.15 ),
-	             h = rng.uniform( 0.05, 0.4 );
-	const double profile[6][2] = { { 0, 0 }, { a, 0 }, { a, t }, { t, t }, { t, b }, { 0, b } };
-	Corners out;
-	for ( int i = 0; i < 12; ++i )
-	{
-		out.points.push_back( { profile[i % 6][0], profile[i % 6][1], i < 6 ? -h : h } );
-	}
-	for ( std::uint32_t i = 0; i < 6; ++i )
-	{
-		const std::uint32_t j = ( i + 1 ) % 6;
-		out.triangles.insert( out.triangles.end(), { i, j, 6 + j, i, 6 + j, 6 + i } );
-	}
-	const std::uint32_t caps[4][3] = { { 0, 1, 2 }, { 0, 2, 3 }, { 0, 3, 4 }, { 0, 4, 5 } };
-	for ( const std::uint32_t* c : caps )
-	{
-		out.triangles.insert( out.triangles.end(), { c[0], c[2], c[1], 6 + c[0], 6 + c[1], 6 + c[2] } );
-	}
-	return meshOf( out, true );
-}
-
 ShapePtr randomSolid( SeededRng& rng, int kind )
 {
 	const double x = rng.uniform( 0.05, 0.6 ), y = rng.uniform( 0.05, 0.6 ), z = rng.uniform( 0.05, 0.6 );
 	std::vector<double> items;
+	Corners profile;
 	const lw_tree_def tree = lw_tree_def_default();
 	lw_shape* shape = nullptr;
 	switch ( kind )
@@ -62,7 +39,8 @@ ShapePtr randomSolid( SeededRng& rng, int kind )
 	case 5:
 		return meshOf( randomWedge( rng ), true );
 	case 6:
-		return angleIron( rng );
+		profile = angleIron( rng );
+		return meshOf( profile, rng.integer( 0, 1 ) == 1 ); // declared, or detected
 	case 7:
 		for ( int i = 0; i < 3; ++i )
 		{

@@ -243,6 +243,7 @@ static lw_status read_tree( lwi_reader* r, lw_shape* shape, uint32_t index, lw_d
 	status = status == LW_OK ? lwi_shape_find_obbs( shape, &inner ) : status;
 	status = status == LW_OK ? lwi_shape_find_convexity( shape, &inner ) : status;
 	status = status == LW_OK ? lwi_shape_find_extreme_points( shape, &inner ) : status;
+	status = status == LW_OK ? lwi_mesh_find_inside( shape, &inner ) : status;
 	if ( status == LW_ERROR_OUT_OF_MEMORY )
 	{
 		return lwi_out_of_memory( diag, "a shape from a blob" );

@@ -36,6 +36,7 @@ static double look( solids* s, lw_vec3 move )
 	const lw_range range = { 0, INFINITY, 0.05 };
 	lwi_bound bound;
 	lwi_bound_init( &bound, &range );
+	bound.insides = true;
 	s->steps++;
 	lwi_search( s->memory, s->a, s->b, &moved, &bound );
 	const lw_clearance c = lwi_bound_result( &bound );
@@ -163,7 +164,7 @@ static uint32_t part_count( const lw_shape* shape )
 {
 	lwi_convex whole;
 	return shape->family == LWI_BALLS || shape->family == LWI_BOXES ? shape->item_count
-		   : shape->closed || shape->type != LW_SHAPE_MESH          ? lwi_convex_of_shape( shape, &whole )
+		   : lwi_has_inside( shape )                                ? lwi_convex_of_shape( shape, &whole )
 																	: 0;
 }
 

@@ -98,11 +98,12 @@ static void cut( double* p, uint32_t degree, double a, double b )
 }
 
 /// Control points of one variable on [from, to] of a piece, and how far they may be off.
-static double points_of(
-	const lw_track* track, const lw_timed_piece* piece, uint32_t variable, double from, double to, double* out )
+static double points_of( const lw_track* track, const lw_timed_piece* piece, uint32_t variable, double from, double to,
+	double* out )
 {
 	const double length = piece->end - piece->start;
-	const double a = lwi_clamp( ( from - piece->start ) / length, 0, 1 ), b = lwi_clamp( ( to - piece->start ) / length, a, 1 );
+	const double a = lwi_clamp( ( from - piece->start ) / length, 0, 1 ),
+				 b = lwi_clamp( ( to - piece->start ) / length, a, 1 );
 	double largest = 0;
 	bool still = true;
 	for ( uint32_t k = 0; k <= piece->degree; ++k )
@@ -170,7 +171,8 @@ static double deviation_by_lag( const lw_track* track, uint32_t variable, double
 		{
 			least = lwi_smaller( least, p[k] );
 			most = lwi_larger( most, p[k] );
-			speed = k == 0 || !( until > time ) ? speed : lwi_larger( speed, degree * fabs( p[k] - p[k - 1] ) / ( until - time ) );
+			speed = k == 0 || !( until > time ) ? speed
+												: lwi_larger( speed, degree * fabs( p[k] - p[k - 1] ) / ( until - time ) );
 		}
 		jumps += before == before ? fabs( p[0] - before ) : 0;
 		before = p[degree];
@@ -278,8 +280,8 @@ static lw_status check_piece( const lw_checker* c, const lw_track* track, uint32
 	const lw_timed_piece* piece = &track->pieces[p];
 	if ( !isfinite( piece->start ) || !isfinite( piece->end ) || !( piece->start < piece->end ) )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, t, "track %u: piece %u: from %g s to %g s: it has to begin before it ends",
-			t, p, piece->start, piece->end );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, t,
+			"track %u: piece %u: from %g s to %g s: it has to begin before it ends", t, p, piece->start, piece->end );
 	}
 	if ( piece->degree > LW_CURVE_MOST_DEGREE || piece->points == NULL )
 	{
@@ -331,7 +333,8 @@ static lw_status check_track( const lw_checker* c, const lw_clock* clock, uint32
 	if ( !( track->lag >= 0 && track->lag < INFINITY ) || !( track->spread_speed >= 0 && track->spread_speed < INFINITY ) ||
 		 !isfinite( track->spread_start ) )
 	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, t, "track %u: lag and spread have to be 0 or more, and finite", t );
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, t, "track %u: lag and spread have to be 0 or more, and finite",
+			t );
 	}
 	for ( uint32_t i = 0; i < track->variable_count; ++i )
 	{
@@ -369,8 +372,8 @@ static lw_status check_owners( const lw_clock* clock, lw_diag* diag )
 				{
 					if ( clock->tracks[o].variables[k] == clock->tracks[t].variables[i] )
 					{
-						return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, t, "tracks %u and %u both move variable %u of the group",
-							o, t, clock->tracks[t].variables[i] );
+						return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, t,
+							"tracks %u and %u both move variable %u of the group", o, t, clock->tracks[t].variables[i] );
 					}
 				}
 			}
@@ -509,7 +512,8 @@ static bool is_edge( const lwi_timed* w, const lwi_timed_part* part )
 	bool edge = part->degree == 1 && c->base->tree->floating_count == 0;
 	for ( uint32_t i = 0; edge && i < count; ++i )
 	{
-		edge = !c->base->robot->variables[c->base->group.variables[i]].wraps || fabs( w->points[count + i] - w->points[i] ) < 3;
+		edge =
+			!c->base->robot->variables[c->base->group.variables[i]].wraps || fabs( w->points[count + i] - w->points[i] ) < 3;
 	}
 	return edge;
 }

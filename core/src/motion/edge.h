@@ -216,12 +216,12 @@ typedef struct lwi_edge
 	lwi_edge_poses poses;
 	lwi_edge_pairs pairs;
 	lwi_work work;
-	lwi_edge_memory* memory;           ///< of this edge and the ones before. Owner: motion/planes.c
-	double *lane_states, *lane_speeds; ///< [LWI_WIDTH][robot variable_count] scratch of motion/gate.c
-	lwi_lane_bound* lane_bounds;       ///< [clusters] scratch of motion/gate.c
+	lwi_edge_memory* memory;              ///< of this edge and the ones before. Owner: motion/planes.c
+	double *lane_states, *lane_speeds;    ///< [LWI_WIDTH][robot variable_count] scratch of motion/gate.c
+	lwi_lane_bound* lane_bounds;          ///< [clusters] scratch of motion/gate.c
 	double *room_points, *room_tolerance; ///< see lwi_edge_room()
-	bool failed;                       ///< a state could not be posed or measured
-	lw_status failure;                 ///< why, if it was not the state: a deferred mesh
+	bool failed;                          ///< a state could not be posed or measured
+	lw_status failure;                    ///< why, if it was not the state: a deferred mesh
 } lwi_edge;
 
 // --- motion/edge.c --------------------------------------------------------------------------------------------------------

@@ -390,7 +390,7 @@ void bindShapes( nb::module_& module )
 	        "steps: int = 256) -> leeway.results.Depth" ),
 	    "Penetration depth of two shapes at their poses: the length of the shortest translation of a after which neither meets the\n"
 	    "inside of the other; lower <= depth <= upper, metres. Exact to rounding for convex bodies; for others the interval narrows\n"
-	    "with steps. Meshes have an inside if they are solid, or convex. Poses as those of distance()." );
+	    "with steps. Meshes have an inside if they are closed, or declared solid. Poses as those of distance()." );
 }
 
 } // namespace leeway::python
