@@ -76,11 +76,13 @@ struct Tally
 	std::vector<double> widths; ///< relative to the upper bound
 };
 
-void judge( SeededRng& rng, int kind_a, int kind_b, lw_query* query, Tally& tally )
+/// @param moves tried directions of lengths below `lower`
+void judge(
+    SeededRng& rng, int kind_a, int kind_b, lw_query* query, Tally& tally, std::uint32_t steps = 256, int moves = 20 )
 {
 	const ShapePtr a = randomSolid( rng, kind_a ), b = randomSolid( rng, kind_b );
 	const lw_transform pose_a = randomPose( rng, 0.3 ), pose_b = randomPose( rng, 0.3 );
-	const lw_depth depth = depthOf( a, pose_a, b, pose_b, query );
+	const lw_depth depth = depthOf( a, pose_a, b, pose_b, query, steps );
 	const lw_clearance before = distanceOf( a, pose_a, b, pose_b, query );
 	SCOPED_TRACE( "kinds " + std::to_string( kind_a ) + ", " + std::to_string( kind_b ) );
 	if ( depth.kind == LW_DEPTH_APART )
@@ -95,7 +97,7 @@ void judge( SeededRng& rng, int kind_a, int kind_b, lw_query* query, Tally& tall
 	EXPECT_LE( depth.lower, depth.upper );
 	const lw_clearance out = distanceOf( a, movedBy( pose_a, ( depth.upper + 1e-9 ) * depth.normal ), b, pose_b, query );
 	EXPECT_GT( out.lower, 0 ) << "after the way out of " << depth.upper;
-	for ( int i = 0; i < 20; ++i )
+	for ( int i = 0; i < moves; ++i )
 	{
 		const double part = i % 2 == 0 ? 0.999999 : rng.uniform( 0, 0.999999 );
 		const lw_vec3 n = i < 4 ? depth.normal : randomDirection( rng );
@@ -141,6 +143,19 @@ TEST( MovedDepth, WaysOutOfOtherBodiesAreNoneOrTooLong )
 	report( "other bodies", tally );
 	EXPECT_GT( tally.overlaps, 500 );
 	EXPECT_LT( tally.widths[tally.widths.size() / 2], 0.2 );
+}
+
+TEST( MovedDepth, ManySmallCubesOfTranslationsLeaveAWayOut )
+{
+	SeededRng rng( 14 );
+	const QueryPtr query = makeQuery();
+	Tally tally;
+	for ( int i = 0; i < 300; ++i )
+	{
+		judge( rng, rng.integer( 6, 8 ), rng.integer( 0, 8 ), query.get(), tally, 1024, 1000 );
+	}
+	report( "1024 steps", tally );
+	EXPECT_LT( tally.widths[tally.widths.size() / 2], 0.02 );
 }
 
 TEST( MovedDepth, SwappedBodiesContradictEachOther )

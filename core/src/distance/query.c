@@ -241,7 +241,7 @@ lw_transform lwi_orthonormal( const lw_transform* transform )
 	double worst = 0;
 	for ( int i = 0; i < 3; ++i )
 	{
-		for ( int j = 0; j < 3; ++j )
+		for ( int j = i; j < 3; ++j )
 		{
 			double want = i == j ? 1 : 0;
 			worst = fmax( worst, fabs( lwi_dot( lwi_load( m.r[i] ), lwi_load( m.r[j] ) ) - want ) );
