@@ -6,8 +6,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
+
+/// Number of pairs of a test, times LEEWAY_DEPTH_FACTOR: long hunts (core/docs/depth.md).
+inline int pairCount( int usual )
+{
+	const char* factor = std::getenv( "LEEWAY_DEPTH_FACTOR" );
+	return usual * ( factor != nullptr ? std::max( 1, std::atoi( factor ) ) : 1 );
+}
 
 inline lw_vec3 operator+( lw_vec3 a, lw_vec3 b )
 {

@@ -122,7 +122,8 @@ TEST( MovedDepth, WaysOutOfConvexBodiesAreNoneOrTooLong )
 	SeededRng rng( 5 );
 	const QueryPtr query = makeQuery();
 	Tally tally;
-	for ( int i = 0; i < 3000; ++i )
+	const int pairs = pairCount( 3000 );
+	for ( int i = 0; i < pairs; ++i )
 	{
 		judge( rng, rng.integer( 0, 5 ), rng.integer( 0, 5 ), query.get(), tally );
 	}
@@ -136,7 +137,8 @@ TEST( MovedDepth, WaysOutOfOtherBodiesAreNoneOrTooLong )
 	SeededRng rng( 6 );
 	const QueryPtr query = makeQuery();
 	Tally tally;
-	for ( int i = 0; i < 1500; ++i )
+	const int pairs = pairCount( 1500 );
+	for ( int i = 0; i < pairs; ++i )
 	{
 		judge( rng, rng.integer( 6, kinds - 1 ), rng.integer( 0, kinds - 1 ), query.get(), tally );
 	}
@@ -150,7 +152,8 @@ TEST( MovedDepth, ManySmallCubesOfTranslationsLeaveAWayOut )
 	SeededRng rng( 14 );
 	const QueryPtr query = makeQuery();
 	Tally tally;
-	for ( int i = 0; i < 300; ++i )
+	const int pairs = pairCount( 300 );
+	for ( int i = 0; i < pairs; ++i )
 	{
 		judge( rng, rng.integer( 6, 8 ), rng.integer( 0, 8 ), query.get(), tally, 1024, 1000 );
 	}
@@ -162,7 +165,8 @@ TEST( MovedDepth, SwappedBodiesContradictEachOther )
 {
 	SeededRng rng( 7 );
 	const QueryPtr query = makeQuery();
-	for ( int i = 0; i < 1000; ++i )
+	const int pairs = pairCount( 1000 );
+	for ( int i = 0; i < pairs; ++i )
 	{
 		const ShapePtr a = randomSolid( rng, rng.integer( 0, kinds - 1 ) ),
 		               b = randomSolid( rng, rng.integer( 0, kinds - 1 ) );
