@@ -21,7 +21,6 @@ ShapePtr randomSolid( SeededRng& rng, int kind )
 {
 	const double x = rng.uniform( 0.05, 0.6 ), y = rng.uniform( 0.05, 0.6 ), z = rng.uniform( 0.05, 0.6 );
 	std::vector<double> items;
-	Corners profile;
 	const lw_tree_def tree = lw_tree_def_default();
 	lw_shape* shape = nullptr;
 	switch ( kind )
@@ -39,8 +38,7 @@ ShapePtr randomSolid( SeededRng& rng, int kind )
 	case 5:
 		return meshOf( randomWedge( rng ), true );
 	case 6:
-		profile = angleIron( rng );
-		return meshOf( profile, rng.integer( 0, 1 ) == 1 ); // declared, or detected
+		return meshOf( angleIron( rng ), true );
 	case 7:
 		for ( int i = 0; i < 3; ++i )
 		{
@@ -70,6 +68,19 @@ ShapePtr randomSolid( SeededRng& rng, int kind )
 
 constexpr int kinds = 10;
 
+/// A mesh that nobody declared solid, every other time; distances are those of the solid all the same.
+ShapePtr asSurface( SeededRng& rng, const ShapePtr& shape )
+{
+	const lw_shape_info info = lw_shape_get_info( shape.get() );
+	if ( info.type != LW_SHAPE_MESH || rng.integer( 0, 1 ) == 1 )
+	{
+		return ShapePtr( lw_shape_retain( shape.get() ) );
+	}
+	const double* vertices = lw_shape_vertices( shape.get() );
+	const std::uint32_t* triangles = lw_shape_triangles( shape.get() );
+	return makeMesh( { vertices, vertices + 3 * info.vertex_count }, { triangles, triangles + 3 * info.triangle_count } );
+}
+
 struct Tally
 {
 	int overlaps = 0, apart = 0;
@@ -82,7 +93,8 @@ void judge(
 {
 	const ShapePtr a = randomSolid( rng, kind_a ), b = randomSolid( rng, kind_b );
 	const lw_transform pose_a = randomPose( rng, 0.3 ), pose_b = randomPose( rng, 0.3 );
-	const lw_depth depth = depthOf( a, pose_a, b, pose_b, query, steps );
+	const ShapePtr asked_a = asSurface( rng, a ), asked_b = asSurface( rng, b );
+	const lw_depth depth = depthOf( asked_a, pose_a, asked_b, pose_b, query, steps );
 	const lw_clearance before = distanceOf( a, pose_a, b, pose_b, query );
 	SCOPED_TRACE( "kinds " + std::to_string( kind_a ) + ", " + std::to_string( kind_b ) );
 	if ( depth.kind == LW_DEPTH_APART )

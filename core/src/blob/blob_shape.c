@@ -106,9 +106,8 @@ static const char* check_counts( const lw_shape* shape, size_t left )
 
 static const char* check_numbers( const lw_shape* shape )
 {
-	// a mesh is thick if it approximates another one, and is no solid then
-	bool has_radius =
-		shape->type == LW_SHAPE_POINTS || ( shape->type == LW_SHAPE_MESH && shape->original_count > 0 && !shape->closed );
+	// a mesh is thick if it approximates another shape
+	bool has_radius = shape->type == LW_SHAPE_POINTS || ( shape->type == LW_SHAPE_MESH && shape->original_count > 0 );
 	bool radius_valid = shape->radius >= 0.0 && shape->radius <= ( has_radius ? LWI_MAX_COORDINATE : 0.0 );
 	if ( !radius_valid || !( shape->dimensions[0] == shape->radius ) || !( shape->dimensions[1] == 0.0 ) ||
 		 !( shape->dimensions[2] == 0.0 ) )
