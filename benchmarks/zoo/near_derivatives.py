@@ -7,7 +7,8 @@
 For each state q and a random direction v of length 1, with slope s = derivatives @ v and steps h = 1e-3 of the row's distance:
 
   above     clearance( q + h v ) <= clearance( q ) + s h + curve: what every subgradient of a least distance keeps, ridges or not
-  slope     s and the differences at h and 2 h, extrapolated, agree to 1e-6 of the fastest point's speed
+  slope     s and the differences at h and 2 h, extrapolated, agree to 1e-6 of the fastest point's speed, and to what intervals of width
+            w leave open at distance d: 3 w / h of the differences, sqrt( 2 w / d ) of the direction (core/docs/near.md)
   bend      they do not, but s changes by more between q - 2 h v and q + 2 h v: the nearest feature changes there
 
 Rows of two states are the same if their bodies are. Exit status 1: a row keeps neither `slope` nor `bend`, or not `above`."""
@@ -55,10 +56,11 @@ def look_at_row(tally, near, around, v, h, speed, name):
     clearance, slope = arrays.upper[row], arrays.derivatives[row] @ v
     values = [a.upper[k] for a, k in around]
     slopes = [a.derivatives[k] @ v for a, k in around]
-    noise = 1e-13 / h
+    width = 1e-13 + max(float(a.upper[k] - a.lower[k]) for a, k in [near, *around])
+    noise = 3 * width / h + numpy.sqrt(2 * width / clearance) * speed
     tally.rows += 1
     for step, value in zip(STEPS, values):
-        if value > clearance + step * h * slope + 2 * (step * h * speed)**2 / clearance + 1e-13:
+        if value > clearance + step * h * slope + 2 * (step * h * speed)**2 / clearance + width + abs(step) * h * noise:
             tally.wrong.append(f"{name}: above by {value - clearance - step * h * slope:.3g} at step {step}")
     if arrays.directions[row] == leeway.Direction.TIED:
         tally.tied += 1

@@ -115,7 +115,8 @@ TEST( ConvexDepth, IntervalMissesTheLeastWidthOfPolytopes )
 	SeededRng rng( 1 );
 	const QueryPtr query = makeQuery();
 	int overlaps = 0, wide = 0;
-	for ( int i = 0; i < 6000; ++i )
+	const int pairs = pairCount( 6000 );
+	for ( int i = 0; i < pairs; ++i )
 	{
 		const Placed a = randomPolytope( rng, 0.6 ), b = randomPolytope( rng, 0.6 );
 		const double core = coreDepth( a, b ), radii = a.body.radius + b.body.radius;
@@ -196,7 +197,8 @@ TEST( ConvexDepth, CurvedBodiesHaveWideIntervals )
 	const QueryPtr query = makeQuery();
 	const lw_shape_type types[] = { LW_SHAPE_CYLINDER, LW_SHAPE_CONE, LW_SHAPE_BOX, LW_SHAPE_CAPSULE };
 	std::vector<double> widths;
-	for ( int i = 0; i < 2000; ++i )
+	const int pairs = pairCount( 2000 );
+	for ( int i = 0; i < pairs; ++i )
 	{
 		const ShapePtr a = makePrimitive( types[rng.integer( 0, 1 )], rng.uniform( 0.1, 1 ), rng.uniform( 0.1, 1 ) );
 		const ShapePtr b =

@@ -6,8 +6,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
+
+/// Number of pairs of a test, times LEEWAY_DEPTH_FACTOR: long hunts (core/docs/depth.md).
+inline int pairCount( int usual )
+{
+	const char* factor = std::getenv( "LEEWAY_DEPTH_FACTOR" );
+	return usual * ( factor != nullptr ? std::max( 1, std::atoi( factor ) ) : 1 );
+}
 
 inline lw_vec3 operator+( lw_vec3 a, lw_vec3 b )
 {
@@ -114,6 +123,30 @@ inline Corners boxCorners( lw_vec3 edges )
 	}
 	out.triangles = {
 	    0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
+	return out;
+}
+
+/// An angle profile of two arms: closed, not convex.
+inline Corners angleIron( SeededRng& rng )
+{
+	const double a = rng.uniform( 0.2, 0.6 ), b = rng.uniform( 0.2, 0.6 ), t = rng.uniform( 0.02, 0.15 ),
+	             h = rng.uniform( 0.05, 0.4 );
+	const double profile[6][2] = { { 0, 0 }, { a, 0 }, { a, t }, { t, t }, { t, b }, { 0, b } };
+	Corners out;
+	for ( int i = 0; i < 12; ++i )
+	{
+		out.points.push_back( { profile[i % 6][0], profile[i % 6][1], i < 6 ? -h : h } );
+	}
+	for ( std::uint32_t i = 0; i < 6; ++i )
+	{
+		const std::uint32_t j = ( i + 1 ) % 6;
+		out.triangles.insert( out.triangles.end(), { i, j, 6 + j, i, 6 + j, 6 + i } );
+	}
+	const std::uint32_t caps[4][3] = { { 0, 1, 2 }, { 0, 2, 3 }, { 0, 3, 4 }, { 0, 4, 5 } };
+	for ( const std::uint32_t* c : caps )
+	{
+		out.triangles.insert( out.triangles.end(), { c[0], c[2], c[1], 6 + c[0], 6 + c[1], 6 + c[2] } );
+	}
 	return out;
 }
 

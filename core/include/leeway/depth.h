@@ -12,7 +12,7 @@ typedef enum lw_depth_kind
 	LW_DEPTH_UNKNOWN = 0,  ///< an error: [0, +inf], no direction
 	LW_DEPTH_APART = 1,    ///< proved: neither meets the inside of the other; [0, 0]. lw_shape_distance() tells how far
 	LW_DEPTH_OVERLAP = 2,  ///< [lower, upper] is certified; lower may be 0 where rounding cannot tell contact from overlap
-	LW_DEPTH_NO_INSIDE = 3 ///< neither body has an inside, as surfaces that are not solid: no depth, [0, +inf]
+	LW_DEPTH_NO_INSIDE = 3 ///< neither body has an inside, as surfaces that are not closed: no depth, [0, +inf]
 } lw_depth_kind;
 
 /// Penetration depth: the length of the shortest translation of a after which neither body meets the inside of the other.
@@ -42,7 +42,9 @@ typedef struct lw_depth_def
 LW_API lw_depth_def lw_depth_def_default( void );
 
 /// Depth of two shapes at given poses. Inside of: primitives, spheres and points with a radius, boxes, half-spaces; meshes that are
-/// declared solid (lw_mesh_def::solid) or convex. A surface without an inside may be deep in another body: how far it has to move.
+/// declared solid (lw_mesh_def::solid) or closed: an even number of triangles at every edge, and one orientation, whatever the winding of
+/// each; a void counts as inside. Distances see the inside of declared solids only: a body within another closed mesh has a positive
+/// distance and a depth. A surface without an inside may be deep in another body: how far it has to move.
 /// Planes and half-spaces against bounded shapes: exact, to rounding.
 /// @param def NULL = lw_depth_def_default()
 /// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (lw_transform_is_valid() is false, a width below 0, no steps),

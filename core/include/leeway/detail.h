@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Certified levels of detail: coarser shapes that contain the original and exceed it by no more than a stated distance.
+// Certified approximations: coarser or rounded shapes that contain the original and exceed it by no more than a stated distance.
 #ifndef LEEWAY_DETAIL_H
 #define LEEWAY_DETAIL_H
 
@@ -31,6 +31,27 @@ LW_EXTERN_C_BEGIN
 /// triangle by triangle; triangles without a proof are restored. Derivation: core/docs/detail.md.
 LW_API lw_status lw_shape_create_detail( const lw_shape* shape, double tolerance, const lw_tree_def* tree,
 	const lw_allocator* allocator, lw_diag* diag, lw_shape** out_shape );
+
+/// Makes a convex shape whose edges and corners are rounded by a radius: a smaller core, dilated. Directions of near pairs then turn
+/// slowly where a body passes an edge, and controllers do not vibrate there: while `shape` moves by m without turning, at a
+/// distance d >= 0 of another convex body, the direction between them changes by at most m / ( radius + d ), and in contact of depth p by
+/// m / ( radius - p ); with a rounded shape on both sides both radii add.
+///
+/// The result contains all of `shape`, and no point of it is farther from `shape` than lw_shape_info.excess, as coarser shapes: at most
+/// the radius, of a box 0.42 of it, and twice the radius of a mesh that is not declared solid. It is a mesh with a thickness, solid if
+/// `shape` is.
+///
+/// Boxes, cylinders, cones and convex meshes. Spheres, points and capsules are round: the result is `shape` itself, with one
+/// reference more.
+/// @param radius metres, > 0, less than the shape has room for
+/// @param allocator NULL = malloc; stored in the shape
+/// @param diag nullable
+/// @param out_shape owned by the caller: lw_shape_release(). Set to NULL on failure.
+/// @return LW_OK, LW_ERROR_INVALID_ARGUMENT (also a radius that is too large, or too small beside a cylinder's), LW_ERROR_UNSUPPORTED (not
+/// convex, or a coarser or rounded shape), LW_ERROR_OUT_OF_MEMORY, or the status of a deferred mesh that cannot be made
+/// Derivation: core/docs/near.md.
+LW_API lw_status lw_shape_create_rounded( const lw_shape* shape, double radius, const lw_allocator* allocator, lw_diag* diag,
+	lw_shape** out_shape );
 
 LW_EXTERN_C_END
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Paper: Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates", 1997.
 //
-// First in double, with the error bounds of that paper (its ccwerrboundA and o3derrboundA). Where these leave the sign open
-// the determinant is summed exactly: every product becomes a few doubles without error, all of them one expansion, whose
-// sign is that of its largest part. That is slow (microseconds) and rare, so none of the stages in between are here.
+// First in double, with the error bounds of that paper (its ccwerrboundA and o3derrboundA), then of planes in pairs of doubles. Where
+// these leave the sign open the determinant is summed exactly: every product becomes a few doubles without error, all of them one
+// expansion, whose sign is that of its largest part. That is slow (microseconds) and rare: points that are in one plane exactly.
 #include "base/exact_sign.h"
 
 #include "base/double_double.h"
@@ -21,6 +21,10 @@ typedef struct expansion
 
 static void add( expansion* e, double value )
 {
+	if ( value == 0.0 )
+	{
+		return;
+	}
 	int kept = 0;
 	for ( int i = 0; i < e->count; ++i )
 	{
@@ -76,7 +80,8 @@ int lwi_exact_orientation( const double a[2], const double b[2], const double p[
 	{
 		return det > 0.0 ? 1 : -1;
 	}
-	expansion e = { .count = 0 };
+	expansion e;
+	e.count = 0;
 	lwi_dd ax = lwi_dd_two_sum( a[0], -p[0] ), ay = lwi_dd_two_sum( a[1], -p[1] );
 	lwi_dd bx = lwi_dd_two_sum( b[0], -p[0] ), by = lwi_dd_two_sum( b[1], -p[1] );
 	add_product( &e, 1.0, ax, by );
@@ -106,6 +111,10 @@ int lwi_exact_side( const double a[3], const double b[3], const double c[3], con
 	{
 		return det > 0.0 ? 1 : -1;
 	}
+	if ( !( permanent > 0.0 ) )
+	{
+		return 0; // each product has a difference that is 0, exactly
+	}
 	lwi_dd d[3][3];
 	for ( int k = 0; k < 3; ++k )
 	{
@@ -113,7 +122,20 @@ int lwi_exact_side( const double a[3], const double b[3], const double c[3], con
 		d[1][k] = lwi_dd_two_sum( b[k], -p[k] );
 		d[2][k] = lwi_dd_two_sum( c[k], -p[k] );
 	}
-	expansion e = { .count = 0 };
+	// each of 6 terms is right to 2 * 2^-104 of itself, and each of 6 sums to 2^-104 of at most the permanent
+	lwi_dd sum = { 0.0, 0.0 };
+	for ( int k = 0; k < 3; ++k )
+	{
+		const int l = ( k + 1 ) % 3, m = ( k + 2 ) % 3;
+		const lwi_dd minor = lwi_dd_sub( lwi_dd_mul( d[1][l], d[2][m] ), lwi_dd_mul( d[1][m], d[2][l] ) );
+		sum = lwi_dd_add( sum, lwi_dd_mul( d[0][k], minor ) );
+	}
+	if ( fabs( sum.hi ) > 0x1p-98 * permanent )
+	{
+		return sum.hi > 0.0 ? 1 : -1;
+	}
+	expansion e;
+	e.count = 0;
 	for ( int k = 0; k < 3; ++k )
 	{
 		add_triple( &e, 1.0, d[0][k], d[1][( k + 1 ) % 3], d[2][( k + 2 ) % 3] );

@@ -121,7 +121,7 @@ bool lw_transform_is_valid( const lw_transform* transform )
 	}
 	for ( int i = 0; i < 3; ++i )
 	{
-		for ( int j = 0; j < 3; ++j )
+		for ( int j = i; j < 3; ++j )
 		{
 			double want = i == j ? 1.0 : 0.0;
 			if ( !( fabs( lwi_dot( row[i], row[j] ) - want ) <= tolerance ) )

@@ -106,9 +106,8 @@ static const char* check_counts( const lw_shape* shape, size_t left )
 
 static const char* check_numbers( const lw_shape* shape )
 {
-	// a mesh is thick if it approximates another one, and is no solid then
-	bool has_radius =
-		shape->type == LW_SHAPE_POINTS || ( shape->type == LW_SHAPE_MESH && shape->original_count > 0 && !shape->closed );
+	// a mesh is thick if it approximates another shape
+	bool has_radius = shape->type == LW_SHAPE_POINTS || ( shape->type == LW_SHAPE_MESH && shape->original_count > 0 );
 	bool radius_valid = shape->radius >= 0.0 && shape->radius <= ( has_radius ? LWI_MAX_COORDINATE : 0.0 );
 	if ( !radius_valid || !( shape->dimensions[0] == shape->radius ) || !( shape->dimensions[1] == 0.0 ) ||
 		 !( shape->dimensions[2] == 0.0 ) )
@@ -243,6 +242,7 @@ static lw_status read_tree( lwi_reader* r, lw_shape* shape, uint32_t index, lw_d
 	status = status == LW_OK ? lwi_shape_find_obbs( shape, &inner ) : status;
 	status = status == LW_OK ? lwi_shape_find_convexity( shape, &inner ) : status;
 	status = status == LW_OK ? lwi_shape_find_extreme_points( shape, &inner ) : status;
+	status = status == LW_OK ? lwi_mesh_find_inside( shape, &inner ) : status;
 	if ( status == LW_ERROR_OUT_OF_MEMORY )
 	{
 		return lwi_out_of_memory( diag, "a shape from a blob" );

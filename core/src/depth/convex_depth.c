@@ -269,7 +269,7 @@ static double excess_of( const lwi_convex* piece )
 	return piece->type == LWI_CONVEX_POINTS && piece->mesh != NULL ? piece->mesh->excess : 0;
 }
 
-static bool is_curved( const lwi_convex* piece )
+static bool is_curved( const lwi_support_map* piece )
 {
 	return piece->type == LWI_CONVEX_CYLINDER || piece->type == LWI_CONVEX_CONE;
 }
@@ -287,12 +287,19 @@ static void round_depth( const lwi_convex_result* apart, double radius_a, double
 	out->steps = apart->iterations;
 }
 
+/// The radius of a ball in the difference of the cores, rounding not taken off; fills the bound from above.
+static double measure( expansion* e, const lw_depth_def* def )
+{
+	const bool curved = is_curved( &e->pair.a ) || is_curved( &e->pair.b );
+	const double width = fmax( def->width, curved ? 1e-11 * e->pair.extent : 2 * e->rounding );
+	return closed_form( e ) ? e->upper - e->rounding : expand( e, width );
+}
+
 bool lwi_convex_depth( const lwi_round_convex* a, const lwi_round_convex* b, const lw_transform* a_from_b,
 	const lw_depth_def* def, double longer, lw_depth* out )
 {
 	const double radii = a->radius + b->radius;
 	*out = ( lw_depth ){ .kind = LW_DEPTH_OVERLAP };
-	const lwi_convex_result apart = lwi_convex_distance( &a->core, &b->core, a_from_b, radii, 0 );
 	expansion e; // not cleared as a whole: most of it is the polytope's memory
 	e.upper = INFINITY;
 	e.other = 0;
@@ -301,19 +308,23 @@ bool lwi_convex_depth( const lwi_round_convex* a, const lwi_round_convex* b, con
 	e.polytope.face_count = 0;
 	const lw_vec3 origin = lwi_convex_pair( &a->core, &b->core, a_from_b, &e.pair );
 	e.rounding = LWI_CONVEX_ROUNDING * ( e.pair.extent + radii ) + excess_of( &a->core ) + excess_of( &b->core );
-	if ( apart.lower > radii || ( apart.lower > 0 && radii == 0 ) )
+	lwi_convex_result apart = { .lower = 0 };
+	double ball = radii > 0 ? 0 : measure( &e, def ); // cores of round bodies are mostly apart
+	if ( !( ball > e.rounding ) )
 	{
-		out->kind = LW_DEPTH_APART;
-		return true;
+		apart = lwi_pair_distance( &e.pair, origin, def->width, radii, 0 );
+		if ( apart.lower > radii || ( apart.lower > 0 && radii == 0 ) )
+		{
+			out->kind = LW_DEPTH_APART;
+			return true;
+		}
+		if ( apart.lower > 0 )
+		{
+			round_depth( &apart, a->radius, b->radius, e.rounding, out );
+			return is_point( &e.pair.a ) || is_point( &e.pair.b ); // edges and faces of others may be parallel
+		}
+		ball = radii > 0 ? measure( &e, def ) : ball;
 	}
-	if ( apart.lower > 0 )
-	{
-		round_depth( &apart, a->radius, b->radius, e.rounding, out );
-		return is_point( &e.pair.a ) || is_point( &e.pair.b ); // edges and faces of others may be parallel
-	}
-	const bool curved = is_curved( &a->core ) || is_curved( &b->core );
-	const double width = fmax( def->width, curved ? 1e-11 * e.pair.extent : 2 * e.rounding );
-	const double ball = closed_form( &e ) ? e.upper - e.rounding : expand( &e, width );
 	lw_vec3 point_a, point_b;
 	witnesses( &e, &point_a, &point_b );
 	// h below 0 proves that the cores are apart, by no more than rounding

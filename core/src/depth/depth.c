@@ -125,7 +125,7 @@ bool lwi_depth( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b,
 		only = b->type == LW_SHAPE_HALFSPACE;
 	}
 	else if ( lwi_convex_of_shape( a, &convex_a.core ) && lwi_convex_of_shape( b, &convex_b.core ) &&
-			  ( lwi_has_inside( a ) || a->convex != NULL || lwi_has_inside( b ) || b->convex != NULL ) )
+			  ( lwi_has_inside( a ) || lwi_has_inside( b ) ) )
 	{
 		convex_a.radius = a->primitive ? 0 : lwi_item_radius( a, 0 );
 		convex_b.radius = b->primitive ? 0 : lwi_item_radius( b, 0 );

@@ -31,7 +31,7 @@ void lwi_solid_depth( lwi_search_memory* memory, const lw_shape* a, const lw_sha
 /// A convex body that contains the shape. @param corners [8][3] memory for it
 lwi_round_convex lwi_convex_around( const lw_shape* shape, double* corners );
 
-/// Beside convex bodies a convex mesh has one, too, declared or not.
+/// Primitives, sets of balls and boxes, meshes that are declared solid or closed.
 bool lwi_has_inside( const lw_shape* shape );
 
 /// A ball of this radius about a point of the shape's frame is in the shape; 0 if the point is outside, or it is not known.

@@ -7,7 +7,7 @@
 bool lwi_has_inside( const lw_shape* shape )
 {
 	const bool surface = shape->type == LW_SHAPE_MESH || shape->type == LW_SHAPE_POINTS;
-	return shape->type != LW_SHAPE_PLANE && ( !surface || shape->closed || shape->radius > 0 );
+	return shape->type != LW_SHAPE_PLANE && ( !surface || shape->components != NULL || shape->radius > 0 );
 }
 
 lwi_round_convex lwi_convex_around( const lw_shape* shape, double* corners )
@@ -174,11 +174,11 @@ double lwi_inner_radius( const lw_shape* shape, lw_vec3 point )
 	{
 		depth = depth_in_items( shape, point );
 	}
-	else if ( shape->closed && shape->convex != NULL )
+	else if ( shape->components != NULL && shape->convex != NULL )
 	{
 		depth = depth_in_convex_mesh( shape, point );
 	}
-	else if ( shape->closed && lwi_mesh_contains( shape, point ) )
+	else if ( shape->components != NULL && lwi_mesh_contains( shape, point ) )
 	{
 		depth = surface_distance( shape, point );
 	}

@@ -13,10 +13,17 @@ typedef struct rim
 	uint32_t count;
 } rim;
 
-/// Positive if p is behind the face.
-static int side( const lwi_polytope* p, const uint16_t corner[3], const double point[3] )
+/// Positive if the point is behind the face, exactly. Most signs are those of a height in double (core/docs/depth.md).
+static inline int side( const lwi_polytope* p, const lwi_polytope_face* face, const double point[3] )
 {
-	return lwi_exact_side( p->points[corner[0]].w, p->points[corner[1]].w, p->points[corner[2]].w, point );
+	const double* a = p->points[face->corner[0]].w;
+	const lw_vec3 d = { a[0] - point[0], a[1] - point[1], a[2] - point[2] };
+	const double height = lwi_dot( face->normal, d ), bound = face->error * ( fabs( d.x ) + fabs( d.y ) + fabs( d.z ) );
+	if ( height > bound || height < -bound )
+	{
+		return height > 0 ? 1 : -1;
+	}
+	return lwi_exact_side( a, p->points[face->corner[1]].w, p->points[face->corner[2]].w, point );
 }
 
 static lwi_polytope_face make_face( const lwi_polytope* p, uint16_t i, uint16_t j, uint16_t k )
@@ -24,13 +31,20 @@ static lwi_polytope_face make_face( const lwi_polytope* p, uint16_t i, uint16_t 
 	static const double origin[3] = { 0, 0, 0 };
 	lwi_polytope_face face = { .corner = { i, j, k } };
 	const lw_vec3 a = lwi_load( p->points[i].w ), b = lwi_load( p->points[j].w ), c = lwi_load( p->points[k].w );
-	lw_vec3 n = lwi_cross( lwi_sub( b, a ), lwi_sub( c, a ) );
-	const double most = fmax( fabs( n.x ), fmax( fabs( n.y ), fabs( n.z ) ) );
-	// of a face too thin for a normal any direction will do: offsets hold for whatever it is
-	n = most > 0 ? lwi_scale( 1 / most, n ) : lwi_v3( 1, 0, 0 );
-	face.normal = lwi_scale( 1 / lwi_length( n ), n );
-	face.offset = fmin( lwi_dot( face.normal, a ), fmin( lwi_dot( face.normal, b ), lwi_dot( face.normal, c ) ) );
-	face.behind = side( p, face.corner, origin ) > 0;
+	const lw_vec3 e = lwi_sub( b, a ), f = lwi_sub( c, a ), n = lwi_cross( e, f );
+	const double most = lwi_larger( fabs( n.x ), lwi_larger( fabs( n.y ), fabs( n.z ) ) );
+	// of a face too thin for a normal any direction will do: offsets hold for whatever it is, and no sign is taken from it
+	const bool squares = most > 0x1p-400; // these do not underflow
+	const double first = squares || !( most > 0 ) ? 1 : 1 / most;
+	const lw_vec3 scaled = most > 0 ? lwi_scale( first, n ) : lwi_v3( 1, 0, 0 );
+	const double second = 1 / lwi_length( scaled );
+	face.normal = lwi_scale( second, scaled );
+	const double x = fabs( e.y * f.z ) + fabs( e.z * f.y ), y = fabs( e.z * f.x ) + fabs( e.x * f.z ),
+				 z = fabs( e.x * f.y ) + fabs( e.y * f.x );
+	face.error = most > 0 ? 12 * LWI_U64 * lwi_larger( x, lwi_larger( y, z ) ) * first * second : INFINITY;
+	face.offset =
+		lwi_smaller( lwi_dot( face.normal, a ), lwi_smaller( lwi_dot( face.normal, b ), lwi_dot( face.normal, c ) ) );
+	face.behind = side( p, &face, origin ) > 0;
 	return face;
 }
 
@@ -42,8 +56,7 @@ bool lwi_polytope_begin( lwi_polytope* p, const lwi_polytope_point points[4] )
 	{
 		p->points[i] = points[i];
 	}
-	const uint16_t base[3] = { 0, 1, 2 };
-	const int behind = side( p, base, points[3].w );
+	const int behind = lwi_exact_side( points[0].w, points[1].w, points[2].w, points[3].w );
 	if ( behind == 0 )
 	{
 		return false;
@@ -97,12 +110,21 @@ static void toggle( rim* r, uint16_t from, uint16_t to )
 
 bool lwi_polytope_add( lwi_polytope* p, const lwi_polytope_point* point )
 {
+	for ( uint32_t i = 0; i < p->point_count; ++i )
+	{
+		const double* w = p->points[i].w;
+		if ( w[0] == point->w[0] && w[1] == point->w[1] && w[2] == point->w[2] )
+		{
+			return false; // in the planes of its faces: signs would be costly
+		}
+	}
 	bool seen[LWI_POLYTOPE_FACES];
-	uint32_t count = 0, kept = 0;
-	rim r = { .count = 0 };
+	uint32_t count = 0, kept = p->face_count;
+	rim r; // not cleared as a whole
+	r.count = 0;
 	for ( uint32_t i = 0; i < p->face_count; ++i )
 	{
-		seen[i] = side( p, p->faces[i].corner, point->w ) < 0;
+		seen[i] = side( p, &p->faces[i], point->w ) < 0;
 		count += seen[i];
 		for ( int k = 0; seen[i] && k < 3; ++k )
 		{
@@ -113,11 +135,11 @@ bool lwi_polytope_add( lwi_polytope* p, const lwi_polytope_point* point )
 	{
 		return false;
 	}
-	for ( uint32_t i = 0; i < p->face_count; ++i )
+	for ( uint32_t i = kept; i-- > 0; )
 	{
-		if ( !seen[i] )
+		if ( seen[i] )
 		{
-			p->faces[kept++] = p->faces[i];
+			p->faces[i] = p->faces[--kept];
 		}
 	}
 	const uint16_t added = (uint16_t)p->point_count;

@@ -28,6 +28,7 @@ typedef struct lwi_polytope_face
 	bool behind;    ///< the origin is behind it, exactly
 	lw_vec3 normal; ///< outward, of length 1 to rounding
 	double offset;  ///< least of the corners along it
+	double error;   ///< of the normal, per metre of a difference along it: the sign of a larger height is right
 } lwi_polytope_face;
 
 /// Corners are numbers as they are: all predicates on them are exact.

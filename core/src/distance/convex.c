@@ -261,6 +261,13 @@ static bool is_primitive( const lwi_support_map* piece )
 static void triangles( const lwi_pair* pair, lwi_bounds* bounds )
 {
 	lw_vec3 b[3];
+	if ( is_point( &pair->a ) && is_point( &pair->b ) )
+	{
+		b[0] = lwi_load( pair->place.t );
+		const double distance = lwi_length( b[0] );
+		*bounds = ( lwi_bounds ){ distance - LWI_CONVEX_ROUNDING * pair->extent, distance, lwi_v3( 0, 0, 0 ), b[0], 1 };
+		return;
+	}
 	for ( int i = 0; i < 3; ++i )
 	{
 		b[i] = lwi_transform( &pair->place, pair->b.vertex[i] );
@@ -331,37 +338,41 @@ lw_vec3 lwi_convex_pair( const lwi_convex* a, const lwi_convex* b, const lw_tran
 	return origin_a;
 }
 
-lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b,
-	double stop_above, double stop_below )
+lwi_convex_result lwi_pair_distance( lwi_pair* pair, lw_vec3 origin_a, double enough, double stop_above, double stop_below )
 {
-	lwi_pair pair;
-	const lw_vec3 origin_a = lwi_convex_pair( a, b, a_from_b, &pair );
-	lwi_bounds bounds = { -INFINITY, INFINITY, { 0.0, 0.0, 0.0 }, lwi_load( pair.place.t ), 0 };
-	bool triangle_a = a->type == LWI_CONVEX_TRIANGLE, triangle_b = b->type == LWI_CONVEX_TRIANGLE;
-	if ( triangle_a && triangle_b )
+	lwi_bounds bounds = { -INFINITY, INFINITY, { 0.0, 0.0, 0.0 }, lwi_load( pair->place.t ), 0 };
+	if ( pair->a.type == LWI_CONVEX_TRIANGLE && pair->b.type == LWI_CONVEX_TRIANGLE )
 	{
-		triangles( &pair, &bounds );
+		triangles( pair, &bounds );
 	}
-	else if ( ( is_point( &pair.a ) && is_primitive( &pair.b ) ) || ( is_primitive( &pair.a ) && is_point( &pair.b ) ) )
+	else if ( ( is_point( &pair->a ) && is_primitive( &pair->b ) ) || ( is_primitive( &pair->a ) && is_point( &pair->b ) ) )
 	{
-		point_and_primitive( &pair, &bounds );
+		point_and_primitive( pair, &bounds );
 	}
 	else
 	{
-		double width = width_of( &pair );
+		double width = lwi_larger( enough, width_of( pair ) );
 		lwi_simplex simplex;
-		if ( !gjk( &pair, width, stop_above, stop_below, &simplex, &bounds ) )
+		if ( !gjk( pair, width, stop_above, stop_below, &simplex, &bounds ) )
 		{
-			lwi_convex_refine( &pair, &simplex, width, stop_above, stop_below, &bounds );
+			lwi_convex_refine( pair, &simplex, width, stop_above, stop_below, &bounds );
 		}
 	}
-	if ( bounds.upper <= 0.5 * LWI_CONVEX_ROUNDING * pair.extent ) // contact: one common point
+	if ( bounds.upper <= 0.5 * LWI_CONVEX_ROUNDING * pair->extent ) // contact: one common point
 	{
 		bounds.upper = 0.0;
 		bounds.point_b = bounds.point_a;
 	}
 	// Lower may exceed upper where both are the distance to rounding
 	return ( lwi_convex_result ){ lwi_clamp( bounds.lower, 0.0, bounds.upper ), bounds.upper,
-		lwi_add( bounds.point_a, origin_a ), lwi_add( bounds.point_b, origin_a ), bounds.iterations, pair.a.last,
-		pair.b.last };
+		lwi_add( bounds.point_a, origin_a ), lwi_add( bounds.point_b, origin_a ), bounds.iterations, pair->a.last,
+		pair->b.last };
+}
+
+lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b,
+	double stop_above, double stop_below )
+{
+	lwi_pair pair;
+	const lw_vec3 origin_a = lwi_convex_pair( a, b, a_from_b, &pair );
+	return lwi_pair_distance( &pair, origin_a, 0, stop_above, stop_below );
 }

@@ -44,9 +44,9 @@ static uint32_t item_in_contact( const lw_shape* shape )
 }
 
 /// A body with its inside.
-static bool is_solid( const lw_shape* shape )
+static bool is_solid( const lwi_bound* bound, const lw_shape* shape )
 {
-	return shape->convex == NULL || shape->closed;
+	return shape->convex == NULL || lwi_is_filled( bound, shape );
 }
 
 static double dilation_of( const lw_shape* shape )
@@ -75,7 +75,7 @@ bool lwi_search_convex( lwi_searching* s )
 		lwi_convex_distance( &piece_a, &piece_b, s->a_from_b, s->bound->cutoff + radii + 2 * error, stop_below );
 	if ( !( r.lower > error ) )
 	{
-		const bool contact = r.upper == 0 && is_solid( a ) && is_solid( b );
+		const bool contact = r.upper == 0 && is_solid( s->bound, a ) && is_solid( s->bound, b );
 		if ( contact ) // at a point that is inside, or on both surfaces
 		{
 			lwi_offer_items( s, 0, 0, r.point_a, r.point_b, item_in_contact( a ), item_in_contact( b ) );

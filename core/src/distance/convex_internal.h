@@ -33,6 +33,10 @@ typedef struct lwi_pair
 /// The pieces as a pair. Returns a's reference point, which all points of the pair are relative to.
 lw_vec3 lwi_convex_pair( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b, lwi_pair* pair );
 
+/// lwi_convex_distance() of a pair. @param origin_a as lwi_convex_pair() returned it
+/// @param enough metres: an interval above 0 no wider than this will do
+lwi_convex_result lwi_pair_distance( lwi_pair* pair, lw_vec3 origin_a, double enough, double stop_above, double stop_below );
+
 /// Points of the pieces whose differences a - (r b + t) span the simplex, in the pieces' own axes.
 typedef struct lwi_simplex
 {

@@ -178,6 +178,12 @@ static inline void lwi_set_direction( lwi_searching* s, lw_vec3 point_a, lw_vec3
 	}
 }
 
+/// True if points inside of a mesh touch it.
+static inline bool lwi_is_filled( const lwi_bound* bound, const lw_shape* shape )
+{
+	return shape->closed || ( bound->insides && shape->components != NULL );
+}
+
 static inline const lw_shape* lwi_shape_of( const lwi_searching* s, int side )
 {
 	return side == LWI_A ? s->a : s->b;

@@ -202,7 +202,7 @@ void lwi_search_inside( lwi_searching* s )
 	for ( int side = 0; side < 2 && !found && !s->bound->done; ++side )
 	{
 		inside q = one_order( s, side == 0 );
-		found = q.mesh->closed && test( &q );
+		found = lwi_is_filled( s->bound, q.mesh ) && test( &q );
 	}
 }
 

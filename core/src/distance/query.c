@@ -70,7 +70,7 @@ static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a,
 	double reach = max_abs3( a->origin ) + max_abs3( b->origin ) + max_abs3( a_from_b->t ) + extent_of( a ) + extent_of( b );
 	s.error = LWI_EXACT_ERROR * reach;
 	s.slack += s.error;
-	s.least = a->closed || b->closed ? s.error + s.radii - bound->margin : -INFINITY;
+	s.least = lwi_is_filled( bound, a ) || lwi_is_filled( bound, b ) ? s.error + s.radii - bound->margin : -INFINITY;
 	lwi_update_limit( &s );
 	return s;
 }
@@ -109,7 +109,7 @@ static bool wait_for_others( lwi_searching* s, const lwi_walk* walk )
 
 static void end_search( lwi_searching* s )
 {
-	if ( s->a->closed || s->b->closed )
+	if ( lwi_is_filled( s->bound, s->a ) || lwi_is_filled( s->bound, s->b ) )
 	{
 		lwi_search_inside( s );
 	}
@@ -241,7 +241,7 @@ lw_transform lwi_orthonormal( const lw_transform* transform )
 	double worst = 0;
 	for ( int i = 0; i < 3; ++i )
 	{
-		for ( int j = 0; j < 3; ++j )
+		for ( int j = i; j < 3; ++j )
 		{
 			double want = i == j ? 1 : 0;
 			worst = fmax( worst, fabs( lwi_dot( lwi_load( m.r[i] ), lwi_load( m.r[j] ) ) - want ) );

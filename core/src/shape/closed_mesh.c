@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The parts of a mesh: connected parts, and the closed surfaces (components) of a solid one.
+// The parts of a mesh: connected parts, and the closed surfaces (components) of one that has an inside.
 //
 // Edges are sorted (counting sort by both ends), so that the triangles around each lie next to each other. Triangles that
 // share an edge with nobody else belong to one component, with the orientation that makes the edge run both ways (union-find
@@ -14,6 +14,7 @@ typedef struct work
 	lw_shape* shape;
 	const lw_allocator* memory;
 	uint32_t count, edges; ///< triangles; edges of the triangles that are not degenerate
+	bool thick;            ///< some edge has more than two triangles
 	uint32_t* parent;      ///< [count] union-find; also over vertices, then [vertex_count]
 	uint8_t* turned;       ///< [count] against its parent
 	uint8_t* mixed;        ///< [count] of a root: no orientation
@@ -149,6 +150,7 @@ static lw_status join_neighbours( work* w, lw_diag* diag )
 		{
 			return open_edge( w, w->order[i], end - i, diag );
 		}
+		w->thick = w->thick || end - i > 2;
 		if ( end - i == 2 )
 		{
 			uint32_t ends[2];
@@ -180,7 +182,7 @@ static void tally_edge( work* w, uint32_t first, uint32_t end, bool balance )
 static void join_at_thick_edges( work* w )
 {
 	uint8_t turned;
-	bool joined = true;
+	bool joined = w->thick;
 	while ( joined )
 	{
 		joined = false;
@@ -204,7 +206,7 @@ static void join_at_thick_edges( work* w )
 			}
 		}
 	}
-	for ( uint32_t i = 0, end; i < w->edges; i = end )
+	for ( uint32_t i = 0, end; w->thick && i < w->edges; i = end )
 	{
 		end = group_end( w, i );
 		if ( end - i > 2 )
@@ -286,6 +288,74 @@ lw_status lwi_mesh_close( lw_shape* shape, lw_diag* diag )
 	}
 	free_work( &w, shape->vertex_count );
 	return status;
+}
+
+// --- surfaces that nobody declared solid ----------------------------------------------------------------------------
+
+/// False only if some edge has an odd number of triangles: numbers of edges, each once for each triangle, cancel if none has.
+static bool may_be_closed( const lw_shape* shape )
+{
+	uint64_t sum = 0;
+	for ( uint32_t t = 0; t < shape->item_count; ++t )
+	{
+		const uint32_t* v = shape->indices + 3 * (size_t)t;
+		for ( uint32_t k = 0; v[0] != v[1] && v[1] != v[2] && v[2] != v[0] && k < 3; ++k )
+		{
+			uint32_t ends[2];
+			edge_ends( shape, 3 * t + k, ends );
+			uint64_t number = ( (uint64_t)ends[0] << 32 | ends[1] ) * 0x9e3779b97f4a7c15u;
+			number = ( number ^ number >> 29 ) * 0xbf58476d1ce4e5b9u;
+			sum ^= number ^ number >> 32;
+		}
+	}
+	return sum == 0;
+}
+
+/// True if each triangle is in one lane of the leaves: rays count it once.
+static bool is_in_one_lane( const lw_shape* shape )
+{
+	uint64_t lanes = lwi_ref_is_leaf( shape->root ) ? lwi_ref_count( shape->root ) : 0;
+	for ( uint32_t i = 0; i < shape->node_count; ++i )
+	{
+		for ( int lane = 0; lane < LWI_WIDTH && shape->nodes[i].child[lane] != LW_INVALID_INDEX; ++lane )
+		{
+			const lwi_ref child = shape->nodes[i].child[lane];
+			lanes += lwi_ref_is_leaf( child ) ? lwi_ref_count( child ) : 0;
+		}
+	}
+	return lanes == shape->item_count;
+}
+
+static bool is_oriented( const lw_shape* shape )
+{
+	for ( uint32_t t = 0; t < shape->item_count; ++t )
+	{
+		if ( shape->components[t] != LW_INVALID_INDEX && ( shape->components[t] & LWI_COMPONENT_MIXED ) != 0 )
+		{
+			return false;
+		}
+	}
+	return shape->component_count > 0;
+}
+
+lw_status lwi_mesh_find_inside( lw_shape* shape, lw_diag* diag )
+{
+	if ( shape->type != LW_SHAPE_MESH || shape->closed || shape->radius > 0 || !may_be_closed( shape ) ||
+		 !is_in_one_lane( shape ) )
+	{
+		return LW_OK;
+	}
+	const size_t bytes = shape->item_count * sizeof( uint32_t );
+	const lw_status status = lwi_mesh_close( shape, NULL );
+	if ( status == LW_OK && is_oriented( shape ) )
+	{
+		shape->bytes += bytes;
+		return LW_OK;
+	}
+	lwi_free( &shape->allocator, shape->components, bytes );
+	shape->components = NULL;
+	shape->component_count = 0;
+	return status == LW_ERROR_OUT_OF_MEMORY ? lwi_out_of_memory( diag, "a mesh" ) : LW_OK;
 }
 
 // --- parts -----------------------------------------------------------------------------------------------------------

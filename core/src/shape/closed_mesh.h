@@ -16,7 +16,12 @@ lw_status lwi_mesh_find_parts( lw_shape* shape, lw_diag* diag );
 /// O(n).
 lw_status lwi_mesh_close( lw_shape* shape, lw_diag* diag );
 
-/// True if a point of the shape frame is inside a mesh that lwi_mesh_close() has closed, false if it is outside; for a point
+/// Fills `components` of a surface that nobody declared solid, if it is closed and each component has one orientation. The tree is
+/// valid; a tiled one stays without. Distances do not look at it, depths do.
+/// @return LW_OK, also of surfaces that are open, or LW_ERROR_OUT_OF_MEMORY. Cost: O(n), of open ones a sum over their edges
+lw_status lwi_mesh_find_inside( lw_shape* shape, lw_diag* diag );
+
+/// True if a point of the shape frame is inside a mesh with `components`, false if it is outside; for a point
 /// on the surface, whose distance is 0 whatever the inside is, either. Exact for the point and the vertices as given (but
 /// for coordinates below 2^-248 m, which count as 0). Cost: one ray through the tree.
 bool lwi_mesh_contains( const lw_shape* shape, lw_vec3 point );

@@ -262,6 +262,7 @@ lw_status lwi_mesh_shape( const lw_mesh_def* def, double radius, const lw_alloca
 	status = def->solid ? lwi_mesh_close( shape, diag ) : LW_OK;
 	status = status == LW_OK ? lwi_mesh_find_parts( shape, diag ) : status;
 	status = status == LW_OK ? lwi_shape_build( shape, &def->tree, diag ) : status;
+	status = status == LW_OK ? lwi_mesh_find_inside( shape, diag ) : status;
 	if ( status != LW_OK )
 	{
 		lw_shape_release( shape );

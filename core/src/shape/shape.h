@@ -122,8 +122,10 @@ struct lw_shape
 	uint32_t part_count;           ///< connected parts
 	uint32_t parts[LWI_MAX_PARTS]; ///< a triangle of each, if there are no more than these
 	bool closed;                   ///< declared solid: closed, and all points inside belong to it
-	uint32_t component_count;      ///< closed surfaces of a closed mesh
-	uint32_t* components;          ///< [item_count] of a closed mesh: number << 2 | flags; LW_INVALID_INDEX: degenerate
+	uint32_t component_count;      ///< closed surfaces of a mesh that has an inside
+	/// [item_count] number << 2 | flags; LW_INVALID_INDEX: degenerate. Of a mesh that is declared solid, or closed: depths count its
+	/// inside, and distances only if it is declared. NULL: no inside.
+	uint32_t* components;
 
 	// Sphere tree, tree frame = shape frame shifted by origin: p_tree = p_shape - origin.
 	double origin[3];     ///< centre of the vertices' box

@@ -111,6 +111,12 @@ Shape simplified( const Shape& shape, double tolerance )
 	    { return lw_shape_create_detail( shape.get(), tolerance, nullptr, nullptr, diag, out ); } );
 }
 
+Shape rounded( const Shape& shape, double radius )
+{
+	return tableShape( [&]( lw_diag* diag, lw_shape** out )
+	    { return lw_shape_create_rounded( shape.get(), radius, nullptr, diag, out ); } );
+}
+
 lw_shape_info completeInfo( const Shape& shape )
 {
 	lw_diag diag{};
@@ -354,7 +360,7 @@ void bindShapes( nb::module_& module )
 	    "float64 [2, 3], metres: least and greatest corner of the box around the shape." );
 	type.def_prop_ro(
 	    "excess", []( const Shape& s ) { return lw_shape_get_info( s.get() ).excess; },
-	    "Metres, proved: no point of a simplified shape is farther from its original. 0 for others." );
+	    "Metres, proved: no point of a simplified or rounded shape is farther from its original. 0 for others." );
 	type.def_prop_ro(
 	    "memory", []( const Shape& s ) { return lw_shape_get_info( s.get() ).bytes; }, "Bytes that the shape holds." );
 	type.def_prop_ro(
@@ -362,6 +368,9 @@ void bindShapes( nb::module_& module )
 	    "32 hexadecimal digits: equal shapes have equal digests." );
 	type.def( "simplify", &simplified, "tolerance"_a,
 	    "A coarser shape that contains this one and exceeds it by at most `tolerance` metres; .excess has the proved bound." );
+	type.def( "rounded", &rounded, "radius"_a,
+	    "A convex shape that contains this one and has edges and corners of this radius, metres: directions of near pairs turn slowly\n"
+	    "beside it. Boxes, cylinders, cones and convex meshes; .excess says how far it extends beyond this one." );
 	type.def( "enclosing_spheres", &enclosingSpheres, nb::kw_only(), "excess"_a = 0.0, "count"_a.none() = 0,
 	    "close_holes"_a = 0.0,
 	    nb::sig( "def enclosing_spheres(self, *, excess: float = 0.0, count: int = 0, close_holes: float = 0.0) -> "
@@ -390,7 +399,7 @@ void bindShapes( nb::module_& module )
 	        "steps: int = 256) -> leeway.results.Depth" ),
 	    "Penetration depth of two shapes at their poses: the length of the shortest translation of a after which neither meets the\n"
 	    "inside of the other; lower <= depth <= upper, metres. Exact to rounding for convex bodies; for others the interval narrows\n"
-	    "with steps. Meshes have an inside if they are solid, or convex. Poses as those of distance()." );
+	    "with steps. Meshes have an inside if they are closed, or declared solid. Poses as those of distance()." );
 }
 
 } // namespace leeway::python
