@@ -4,6 +4,7 @@
 
 #include "motions/csv.hpp"
 #include "motions/names.hpp"
+#include "program/plan_bounds.hpp"
 
 #include <fmt/format.h>
 
@@ -135,18 +136,25 @@ Input withRequest( const Input& input, const io::Request& request )
 constexpr std::size_t most_tries = 100'000;
 constexpr double pi = 3.14159265358979323846;
 
+// The interval in which a variable is drawn. Limits that are far away mean that there are none: a way across them is a million metres long.
+std::pair<double, double> drawnRange( const io::Problem& problem, const lw_variable_info& info )
+{
+	if ( info.upper - info.lower <= far_limits && !info.wraps )
+	{
+		return { info.lower, info.upper };
+	}
+	const bool turns = info.wraps || lw_robot_joint_type( problem.robot.get(), info.joint ) == LW_JOINT_REVOLUTE;
+	const double reach = turns ? pi : 1, middle = info.wraps ? 0 : std::clamp( 0.0, info.lower, info.upper );
+	return info.wraps ? std::pair( -reach, reach )
+	                  : std::pair( std::max( info.lower, middle - reach ), std::min( info.upper, middle + reach ) );
+}
+
 void draw( const io::Problem& problem, std::mt19937_64& random, std::vector<double>& q )
 {
 	for ( std::size_t i = 0; i < q.size(); ++i )
 	{
 		const lw_variable_info info = lw_robot_variable( problem.robot.get(), problem.variables[i] );
-		const bool bounded = std::isfinite( info.lower ) && std::isfinite( info.upper ) && !info.wraps;
-		const double lower = bounded      ? info.lower
-		                     : info.wraps ? -pi
-		                                  : -1,
-		             upper = bounded      ? info.upper
-		                     : info.wraps ? pi
-		                                  : 1;
+		const auto [lower, upper] = drawnRange( problem, info );
 		const double share = static_cast<double>( random() >> 11 ) * 0x1p-53;
 		q[i] = lower + ( upper - lower ) * share;
 		if ( lw_robot_joint_type( problem.robot.get(), info.joint ) == LW_JOINT_FLOATING && info.component == 6 )
@@ -157,8 +165,8 @@ void draw( const io::Problem& problem, std::mt19937_64& random, std::vector<doub
 	}
 }
 
-/// Values of the group's joints, the same for the same seed on every machine: uniform within the limits; joints without limits turn once and
-/// shift by a metre. Joints outside of the group are where input.request starts, or at zero.
+/// Values of the group's joints, the same for the same seed on every machine: uniform within the limits; joints without limits, and with limits
+/// that are far away, turn once and shift by a metre. Joints outside of the group are where input.request starts, or at zero.
 /// @param option "--goal random", for the error @param seed different for start and goal
 /// @throws io::Error if none of many states is free
 Values randomFreeState( const std::string& option, const Input& input, const std::string& group, std::uint64_t seed )

@@ -671,14 +671,24 @@ std::optional<io::ReachOptions> laterTables( Input& input )
 	return tables;
 }
 
+/// Seconds for motion hulls, beside those of --proofs: whoever has an answer wants the prompt back.
+constexpr double hulls_time = 1;
+
 /// For later runs, when the answer is written.
-void proveTables( const Workbench& bench, const io::ReachOptions& tables )
+void proveTables( const PlanOptions& options, const Workbench& bench, const io::ReachOptions& tables )
 {
 	const bool unfinished = tables.def.seconds > 0 && !bench.reach().info.complete;
-	if ( !bench.reach().reach || unfinished )
+	if ( bench.reach().reach && !unfinished )
 	{
-		tell( "leeway: the answer is complete; now proving for later runs which links never meet (--no-cache declines)\n" );
-		bench.proveTables( tables );
+		return;
+	}
+	const double seconds = hulls_time + tables.def.seconds;
+	tell( "leeway: the answer is complete; for later runs this one proves for at most {:g} s which links never meet (--no-cache declines)\n",
+	    seconds );
+	if ( !bench.proveTables( tables, seconds ) )
+	{
+		tell( "leeway: the robot's motion hulls take longer, and are not kept; `leeway info --robot {} --proofs 10` makes them\n",
+		    options.common.robot );
 	}
 }
 
@@ -769,7 +779,7 @@ int runPlan( const PlanOptions& options )
 	}
 	if ( tables )
 	{
-		proveTables( bench, *tables );
+		proveTables( options, bench, *tables );
 	}
 	return good && is_driven_free ? exit_yes : exit_no;
 }

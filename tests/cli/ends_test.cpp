@@ -191,6 +191,26 @@ TEST_F( CliEnds, RandomEndsAreFreeAndTheSameForASeed )
 	EXPECT_NE( first, other );
 }
 
+TEST_F( CliEnds, RandomEndsKeepAwayFromLimitsThatBoundNothing )
+{
+	write( "base.urdf", R"(<robot name="base"><link name="odom"/>
+	  <link name="slide"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+	  <link name="top"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+	  <joint name="x" type="prismatic"><parent link="odom"/><child link="slide"/><axis xyz="1 0 0"/>
+	    <limit lower="-999999" upper="999999" effort="1" velocity="1"/></joint>
+	  <joint name="turn" type="revolute"><parent link="slide"/><child link="top"/><axis xyz="0 0 1"/>
+	    <limit lower="2000" upper="4000" effort="1" velocity="1"/></joint></robot>)" );
+	const Outcome outcome = run( { "plan", "--robot", "base.urdf", "--start", "random", "--goal", "random", "--out", "path.yaml" } );
+	ASSERT_EQ( outcome.status, 0 ) << outcome.err;
+	for ( const std::vector<double>& ends : { point( true ), point( false ) } )
+	{
+		EXPECT_LE( std::fabs( ends[0] ), 1 ); // a metre, and half a turn from the nearest value to zero
+		EXPECT_TRUE( ends[1] >= 2000 && ends[1] <= 2003.2 ) << ends[1];
+	}
+	// nothing can be touched: an edge is a step
+	EXPECT_TRUE( contains( outcome.out, "VALID: 2 exact states" ) ) << outcome.out;
+}
+
 // ---- contacts that are allowed on the command line
 
 TEST_F( CliEnds, AnAllowedContactDoesNotCount )

@@ -2,6 +2,7 @@
 // leeway check --near: a line for each near pair.
 #include "cli_fixture.hpp"
 
+#include <cmath>
 #include <sstream>
 
 using CliNear = Cli;
