@@ -10,7 +10,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
+#include <tuple>
 
 namespace leeway::cli
 {
@@ -133,7 +135,8 @@ Input withRequest( const Input& input, const io::Request& request )
 }
 
 /// A humanoid has one free state in thousands; a state takes ten to a hundred microseconds.
-constexpr std::size_t most_tries = 100'000;
+constexpr std::size_t most_tries = 100'000, wide_tries = 2000;
+constexpr double most_seconds = 5;
 constexpr double pi = 3.14159265358979323846;
 
 // The interval in which a variable is drawn. Limits that are far away mean that there are none: a way across them is a million metres long.
@@ -149,14 +152,23 @@ std::pair<double, double> drawnRange( const io::Problem& problem, const lw_varia
 	                  : std::pair( std::max( info.lower, middle - reach ), std::min( info.upper, middle + reach ) );
 }
 
-void draw( const io::Problem& problem, std::mt19937_64& random, std::vector<double>& q )
+// The share of their ranges in which joints are drawn, around the reference state: all of it, until thousands of states were in contact.
+double shareOf( std::size_t tries )
+{
+	constexpr double shares[] = { 1, 0.5, 0.2, 0.05 };
+	return tries < wide_tries ? 1 : shares[tries % 4];
+}
+
+void draw( const io::Problem& problem, std::mt19937_64& random, double around, std::vector<double>& q )
 {
 	for ( std::size_t i = 0; i < q.size(); ++i )
 	{
 		const lw_variable_info info = lw_robot_variable( problem.robot.get(), problem.variables[i] );
 		const auto [lower, upper] = drawnRange( problem, info );
+		const double middle = std::clamp( problem.reference[problem.variables[i]], lower, upper );
 		const double share = static_cast<double>( random() >> 11 ) * 0x1p-53;
-		q[i] = lower + ( upper - lower ) * share;
+		const double wide = lower + ( upper - lower ) * share;
+		q[i] = around < 1 ? middle + around * ( wide - middle ) : wide;
 		if ( lw_robot_joint_type( problem.robot.get(), info.joint ) == LW_JOINT_FLOATING && info.component == 6 )
 		{
 			const double length = std::hypot( std::hypot( q[i - 3], q[i - 2] ), std::hypot( q[i - 1], q[i] ) );
@@ -165,8 +177,50 @@ void draw( const io::Problem& problem, std::mt19937_64& random, std::vector<doub
 	}
 }
 
+// Which pairs were in the way of how many states.
+class Blame
+{
+public:
+	explicit Blame( const io::Problem& problem ) : m_problem( problem ) {}
+	void add( const lw_state_reason& reason )
+	{
+		if ( reason.verdict == LW_VERDICT_BLOCKED || reason.verdict == LW_VERDICT_UNDECIDED )
+		{
+			++m_counts[{ reason.self, reason.pair.a, reason.pair.b }];
+		}
+	}
+	[[noreturn]] void refuse( const std::string& option, std::size_t tries ) const
+	{
+		const std::string problem = fmt::format( "none of {} random states is free", tries );
+		const auto most = std::max_element(
+		    m_counts.begin(), m_counts.end(), []( const auto& a, const auto& b ) { return a.second < b.second; } );
+		if ( most == m_counts.end() )
+		{
+			wrong( option, problem, "`leeway check` shows why; or write joint=value,joint=value" );
+		}
+		lw_clearance pair{};
+		const auto [self, a, b] = most->first;
+		pair.a = a;
+		pair.b = b;
+		const Named named =
+		    self ? nameSelf( m_problem.checker.get(), pair ) : nameEnvironment( m_problem.checker.get(), pair );
+		wrong( option,
+		    fmt::format( "{}: {} - {} were too near in {:.0f} % of them", problem, named.first, named.second,
+		        std::floor( 100 * double( most->second ) / double( tries ) ) ),
+		    fmt::format(
+		        "if they may touch, add --allow {}:{}, or an SRDF (`leeway pairs --out S.srdf` writes one); or write "
+		        "joint=value,joint=value",
+		        named.first, named.second ) );
+	}
+
+private:
+	const io::Problem& m_problem;
+	std::map<std::tuple<bool, std::uint32_t, std::uint32_t>, std::size_t> m_counts;
+};
+
 /// Values of the group's joints, the same for the same seed on every machine: uniform within the limits; joints without limits, and with limits
-/// that are far away, turn once and shift by a metre. Joints outside of the group are where input.request starts, or at zero.
+/// that are far away, turn once and shift by a metre. If thousands of states are in contact, nearer to the reference state too. Joints outside
+/// of the group are where input.request starts, or at zero.
 /// @param option "--goal random", for the error @param seed different for start and goal
 /// @throws io::Error if none of many states is free
 Values randomFreeState( const std::string& option, const Input& input, const std::string& group, std::uint64_t seed )
@@ -179,12 +233,16 @@ Values randomFreeState( const std::string& option, const Input& input, const std
 	const Query query = makeQuery( problem.checker.get() );
 	std::mt19937_64 random( seed );
 	std::vector<double> q( problem.variables.size() );
-	for ( std::size_t tries = 0; tries < most_tries; ++tries )
+	Blame blame( problem );
+	const double begin = now();
+	std::size_t tries = 0;
+	for ( ; tries < most_tries && ( tries < 2 * wide_tries || now() - begin < most_seconds ); ++tries )
 	{
-		draw( problem, random, q );
+		draw( problem, random, shareOf( tries ), q );
 		bool free = false;
+		lw_state_reason reason{};
 		const lw_status status =
-		    lw_checker_is_free( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, input.min_d, &free, nullptr );
+		    lw_checker_is_free( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, input.min_d, &free, &reason );
 		if ( status == LW_OK && free )
 		{
 			Values values;
@@ -194,9 +252,9 @@ Values randomFreeState( const std::string& option, const Input& input, const std
 			}
 			return values;
 		}
+		blame.add( reason );
 	}
-	throw io::Error( "command line", option, fmt::format( "none of {} random states is free", most_tries ),
-	    "`leeway pairs` shows which pairs of links are always in contact; or write joint=value,joint=value" );
+	blame.refuse( option, tries );
 }
 
 // As RViz has them for goals: metres, radians.

@@ -683,11 +683,13 @@ void proveTables( const PlanOptions& options, const Workbench& bench, const io::
 		return;
 	}
 	const double seconds = hulls_time + tables.def.seconds;
-	tell( "leeway: the answer is complete; for later runs this one proves for at most {:g} s which links never meet (--no-cache declines)\n",
+	tell(
+	    "leeway: the answer is complete; for later runs this one proves for at most {:g} s which links never meet (--no-cache declines)\n",
 	    seconds );
 	if ( !bench.proveTables( tables, seconds ) )
 	{
-		tell( "leeway: the robot's motion hulls take longer, and are not kept; `leeway info --robot {} --proofs 10` makes them\n",
+		tell(
+		    "leeway: the robot's motion hulls take longer, and are not kept; `leeway info --robot {} --proofs 10` makes them\n",
 		    options.common.robot );
 	}
 }

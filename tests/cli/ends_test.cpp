@@ -200,7 +200,8 @@ TEST_F( CliEnds, RandomEndsKeepAwayFromLimitsThatBoundNothing )
 	    <limit lower="-999999" upper="999999" effort="1" velocity="1"/></joint>
 	  <joint name="turn" type="revolute"><parent link="slide"/><child link="top"/><axis xyz="0 0 1"/>
 	    <limit lower="2000" upper="4000" effort="1" velocity="1"/></joint></robot>)" );
-	const Outcome outcome = run( { "plan", "--robot", "base.urdf", "--start", "random", "--goal", "random", "--out", "path.yaml" } );
+	const Outcome outcome =
+	    run( { "plan", "--robot", "base.urdf", "--start", "random", "--goal", "random", "--out", "path.yaml" } );
 	ASSERT_EQ( outcome.status, 0 ) << outcome.err;
 	for ( const std::vector<double>& ends : { point( true ), point( false ) } )
 	{
@@ -209,6 +210,32 @@ TEST_F( CliEnds, RandomEndsKeepAwayFromLimitsThatBoundNothing )
 	}
 	// nothing can be touched: an edge is a step
 	EXPECT_TRUE( contains( outcome.out, "VALID: 2 exact states" ) ) << outcome.out;
+}
+
+TEST_F( CliEnds, RandomEndsAreFoundWhereOnlyStatesNearTheReferenceAreFree )
+{
+	std::string robot = "<robot name='slots'><link name='base'>", joints;
+	for ( const std::string i : { "0", "1", "2", "3", "4", "5" } ) // each ball is free in a twentieth of its way
+	{
+		for ( const std::string side : { "0.65 ", "-0.65 " } )
+		{
+			robot += "<collision><origin xyz='0 " + side + i + "'/><geometry><box size='1 1 0.5'/></geometry></collision>";
+		}
+		joints += "<link name='ball" + i + "'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>";
+		joints += "<joint name='j" + i + "' type='prismatic'><parent link='base'/><child link='ball" + i +
+		          "'/><origin xyz='0 0 " + i +
+		          "'/><axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>";
+	}
+	write( "slots.urdf", robot + "</link>" + joints + "</robot>" );
+	const std::vector<std::string> plan = {
+	    "plan", "--robot", "slots.urdf", "--start", "random", "--goal", "random", "--strict" };
+	EXPECT_EQ( run( plan + std::vector<std::string>{ "--out", "path.yaml" } ).status, 0 );
+	edit( "slots.urdf", "sphere radius='0.1'", "sphere radius='0.2'" ); // wider than its slot
+	const Outcome outcome = run( plan );
+	EXPECT_EQ( outcome.status, 2 );
+	EXPECT_TRUE( contains( outcome.err, "random states is free: base - ball0 were too near in 100 % of them" ) &&
+	             contains( outcome.err, "--allow base:ball0" ) )
+	    << outcome.err;
 }
 
 // ---- contacts that are allowed on the command line
