@@ -315,7 +315,16 @@ void readGoalPose( const std::string& text, io::Request& request )
 	request.goal_orientations.push_back( orientation );
 }
 
-void clearGoal( io::Request& request, PlanEnds& ends, const char* option )
+/// The option, and the named state that it takes: a keyframe may be called random.
+std::string stateElement( const std::string& option, const std::string& text, const io::RobotModel& robot )
+{
+	const bool named = text.find( '=' ) == std::string::npos && !isRandom( text, robot );
+	return named ? fmt::format(
+	                   "{}, the state {} of {}", option, text, robot.srdf_file.empty() ? robot.urdf_file : robot.srdf_file )
+	             : option;
+}
+
+void clearGoal( io::Request& request, PlanEnds& ends, const std::string& option )
 {
 	request.goal.clear();
 	request.goal_positions.clear();
@@ -348,7 +357,7 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 		        ? End{ randomFreeState( "--goal random", withRequest( input, request ), wanted, 2 * options.seed + 1 ), "" }
 		        : parse( "--goal", options.goal, wanted, input.robot );
 		state_group = goal.group;
-		clearGoal( request, ends, "--goal" );
+		clearGoal( request, ends, stateElement( "--goal", options.goal, input.robot ) );
 		for ( const auto& [name, value] : goal.values )
 		{
 			request.goal.push_back( { name, value, 0, 0 } );
@@ -388,7 +397,7 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 	}
 	if ( !options.start.empty() || !from_file )
 	{
-		ends.start = { "command line", "--start" };
+		ends.start = { "command line", stateElement( "--start", options.start, input.robot ) };
 	}
 	request.file = from_file ? request.file : "command line";
 	ends.group = ends.group.empty() ? state_group : ends.group;

@@ -238,6 +238,18 @@ TEST_F( CliEnds, RandomEndsAreFoundWhereOnlyStatesNearTheReferenceAreFree )
 	    << outcome.err;
 }
 
+TEST_F( CliEnds, AStateThatIsCalledRandomIsNamedAsTheSourceOfItsValues )
+{
+	write( "key.xml",
+	    "<mujoco><worldbody><body name='b'><joint name='j' type='slide' range='-1 1'/><geom size='0.1'/></body></worldbody>"
+	    "<keyframe><key name='random' qpos='3'/></keyframe></mujoco>" );
+	const Outcome outcome = run( { "plan", "--robot", "key.xml", "--start", "random", "--goal", "j=0" } );
+	EXPECT_EQ( outcome.status, 2 );
+	EXPECT_TRUE( contains( outcome.err, "--start, the state random of key.xml: joint j: 3 is above its limit 1" ) &&
+	             contains( outcome.err, "give a state inside the joint limits" ) )
+	    << outcome.err;
+}
+
 // ---- contacts that are allowed on the command line
 
 TEST_F( CliEnds, AnAllowedContactDoesNotCount )
