@@ -140,16 +140,18 @@ constexpr double most_seconds = 5;
 constexpr double pi = 3.14159265358979323846;
 
 // The interval in which a variable is drawn. Limits that are far away mean that there are none: a way across them is a million metres long.
+// A turn has all places of a joint; of two states a whole turn apart (shoulder of a UR: 720 degrees) often no path leads from one to the other.
 std::pair<double, double> drawnRange( const io::Problem& problem, const lw_variable_info& info )
 {
-	if ( info.upper - info.lower <= far_limits && !info.wraps )
-	{
-		return { info.lower, info.upper };
-	}
 	const bool turns = info.wraps || lw_robot_joint_type( problem.robot.get(), info.joint ) == LW_JOINT_REVOLUTE;
 	const double reach = turns ? pi : 1, middle = info.wraps ? 0 : std::clamp( 0.0, info.lower, info.upper );
-	return info.wraps ? std::pair( -reach, reach )
-	                  : std::pair( std::max( info.lower, middle - reach ), std::min( info.upper, middle + reach ) );
+	if ( info.wraps )
+	{
+		return { -reach, reach };
+	}
+	return info.upper - info.lower <= ( turns ? 2 * reach : far_limits )
+	           ? std::pair( info.lower, info.upper )
+	           : std::pair( std::max( info.lower, middle - reach ), std::min( info.upper, middle + reach ) );
 }
 
 // The share of their ranges in which joints are drawn, around the reference state: all of it, until thousands of states were in contact.
@@ -219,7 +221,7 @@ private:
 };
 
 /// Values of the group's joints, the same for the same seed on every machine: uniform within the limits; joints without limits, and with limits
-/// that are far away, turn once and shift by a metre. If thousands of states are in contact, nearer to the reference state too. Joints outside
+/// that are far away, turn once and shift by a metre, and no joint turns more than once. If thousands of states are in contact, nearer to the reference state too. Joints outside
 /// of the group are where input.request starts, or at zero.
 /// @param option "--goal random", for the error @param seed different for start and goal
 /// @throws io::Error if none of many states is free
@@ -352,8 +354,9 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 	if ( !options.goal.empty() )
 	{
 		const std::string wanted = options.common.group.empty() ? request.group : options.common.group;
+		ends.goal_is_random = isRandom( options.goal, input.robot );
 		const End goal =
-		    isRandom( options.goal, input.robot )
+		    ends.goal_is_random
 		        ? End{ randomFreeState( "--goal random", withRequest( input, request ), wanted, 2 * options.seed + 1 ), "" }
 		        : parse( "--goal", options.goal, wanted, input.robot );
 		state_group = goal.group;
@@ -403,6 +406,42 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 	ends.group = ends.group.empty() ? state_group : ends.group;
 	input.request = std::move( request );
 	return ends;
+}
+
+std::vector<std::vector<double>> wholeTurns( const io::Problem& problem, const std::vector<double>& q )
+{
+	constexpr std::size_t most = 32;
+	std::vector<std::vector<double>> states = { q };
+	for ( std::size_t i = 0; i < q.size(); ++i )
+	{
+		const lw_variable_info info = lw_robot_variable( problem.robot.get(), problem.variables[i] );
+		if ( info.wraps || lw_robot_joint_type( problem.robot.get(), info.joint ) != LW_JOINT_REVOLUTE )
+		{
+			continue;
+		}
+		for ( const double value : { q[i] - 2 * pi, q[i] + 2 * pi } )
+		{
+			const std::size_t count = value >= info.lower && value <= info.upper ? states.size() : 0;
+			for ( std::size_t k = 0; k < count && states.size() < most; ++k )
+			{
+				if ( states[k][i] == q[i] )
+				{
+					states.push_back( states[k] );
+					states.back()[i] = value;
+				}
+			}
+		}
+	}
+	return states;
+}
+
+void setGoal( io::Request& request, const io::Problem& problem, const std::vector<double>& q )
+{
+	request.goal.clear();
+	for ( std::size_t i = 0; i < q.size(); ++i )
+	{
+		request.goal.push_back( { problem.variable_names[i], q[i], 0, 0 } );
+	}
 }
 
 } // namespace leeway::cli

@@ -591,7 +591,8 @@ Solution solve(
 	}
 	else
 	{
-		goals.states = { io::goalState( bench.problem(), request ) };
+		const std::vector<double> goal = io::goalState( bench.problem(), request );
+		goals.states = ends.goal_is_random ? wholeTurns( bench.problem(), goal ) : Points{ goal };
 		requireUsable( options, bench, ends.goal, goals.states.front() );
 		noteEnd( ends.goal, groupLimitViolations( bench.problem(), goals.states.front() ), notices );
 	}
@@ -733,6 +734,7 @@ int runPlan( const PlanOptions& options )
 	Audit audit;
 	if ( solution.solved )
 	{
+		ends.goal_is_random ? setGoal( *input.request, bench.problem(), solution.points.back() ) : void();
 		audit = audited( bench, solution.points, settings, input.request->file );
 		auditEnds( bench.problem(), *input.request, solution.points, audit );
 		solution.seconds.audit = audit.seconds;
