@@ -179,7 +179,7 @@ void draw( const io::Problem& problem, std::mt19937_64& random, double around, s
 	}
 }
 
-// Which pairs were in the way of how many states.
+// Counts of states by the pair that was in the way.
 class Blame
 {
 public:

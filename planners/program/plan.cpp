@@ -704,6 +704,21 @@ AuditSettings auditSettings( const PlanOptions& options )
 	return settings;
 }
 
+/// The audit of a path that was found, and of its ends. A random goal is the state at which the path ends.
+Audit auditSolution(
+    io::Request& request, const Workbench& bench, const PlanEnds& ends, const AuditSettings& settings, Solution& solution )
+{
+	Audit audit;
+	if ( solution.solved )
+	{
+		ends.goal_is_random ? setGoal( request, bench.problem(), solution.points.back() ) : void();
+		audit = audited( bench, solution.points, settings, request.file );
+		auditEnds( bench.problem(), request, solution.points, audit );
+		solution.seconds.audit = audit.seconds;
+	}
+	return audit;
+}
+
 } // namespace
 
 int runPlan( const PlanOptions& options )
@@ -731,14 +746,7 @@ int runPlan( const PlanOptions& options )
 	noteUsual( motion, notices );
 	Solution solution = solve( options, input, bench, ends, notices );
 	const AuditSettings settings = auditSettings( options );
-	Audit audit;
-	if ( solution.solved )
-	{
-		ends.goal_is_random ? setGoal( *input.request, bench.problem(), solution.points.back() ) : void();
-		audit = audited( bench, solution.points, settings, input.request->file );
-		auditEnds( bench.problem(), *input.request, solution.points, audit );
-		solution.seconds.audit = audit.seconds;
-	}
+	const Audit audit = auditSolution( *input.request, bench, ends, settings, solution );
 	const bool good = solution.solved && audit.valid && solution.edges.all();
 	std::vector<OutputFile*> files;
 	std::string driven;

@@ -58,7 +58,7 @@ def to_urdf(stage, folder, *, missing_meshes="refuse") -> Converted:
 
 
 def _reason(error):
-    """What OpenUSD says about a stage that it does not open: its first line that is more than "failed"."""
+    """OpenUSD's reason why a stage does not open: its first line that says more than "failed"."""
     said = re.findall(r"in file \S+ : '(.*?)'?\s*$", str(error), re.MULTILINE)
     return next((line for line in said if not line.startswith("Failed to open layer")), "it is no stage, or damaged")
 

@@ -85,7 +85,7 @@ LINK = '<link name="a"><collision><geometry><sphere radius="0.1"/></geometry></c
 JOINT = '<link name="b"/><joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/><limit lower="{}" upper="1"/></joint>'
 MACRO = '<xacro:macro name="m" params="{}">{}</xacro:macro>'
 
-DAMAGED = {  # the file: what the message names, beside the file and a remedy
+DAMAGED = {  # file: words of the message, beside the name of the file and a remedy
     HEAD + LINK[:30]: "line 1: not well-formed XML",
     HEAD + "<xacro:if>" + LINK + "</robot>": "line 1: not well-formed XML",
     "<robot name='r'>" + LINK + "<xacro:no/></robot>": "<xacro:no> .line 1.: .*declare xacro's namespace; write <robot xmlns:xacro",
