@@ -275,7 +275,10 @@ private:
 	    double start )
 	{
 		const std::vector<double> a = fullState( m_problem, qa ), b = fullState( m_problem, qb );
-		const double way = travel( a, b ), longest = way > joint_travel_per_step ? joint_travel_per_step / way : 1.0;
+		const double way = travel( a, b );
+		// without anything that could be touched, no bound comes from the motion between two states
+		const bool is_dense = way > joint_travel_per_step && std::isfinite( allowedMotion() );
+		const double longest = is_dense ? joint_travel_per_step / way : 1.0;
 		double t = 0, step = longest;
 		std::vector<double> next( a.size() );
 		while ( t < 1 && !m_ended )

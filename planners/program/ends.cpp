@@ -4,12 +4,15 @@
 
 #include "motions/csv.hpp"
 #include "motions/names.hpp"
+#include "program/plan_bounds.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
+#include <tuple>
 
 namespace leeway::cli
 {
@@ -132,23 +135,42 @@ Input withRequest( const Input& input, const io::Request& request )
 }
 
 /// A humanoid has one free state in thousands; a state takes ten to a hundred microseconds.
-constexpr std::size_t most_tries = 100'000;
+constexpr std::size_t most_tries = 100'000, wide_tries = 2000;
+constexpr double most_seconds = 5;
 constexpr double pi = 3.14159265358979323846;
 
-void draw( const io::Problem& problem, std::mt19937_64& random, std::vector<double>& q )
+// The interval in which a variable is drawn. Limits that are far away mean that there are none: a way across them is a million metres long.
+// A turn has all places of a joint; of two states a whole turn apart (shoulder of a UR: 720 degrees) often no path leads from one to the other.
+std::pair<double, double> drawnRange( const io::Problem& problem, const lw_variable_info& info )
+{
+	const bool turns = info.wraps || lw_robot_joint_type( problem.robot.get(), info.joint ) == LW_JOINT_REVOLUTE;
+	const double reach = turns ? pi : 1, middle = info.wraps ? 0 : std::clamp( 0.0, info.lower, info.upper );
+	if ( info.wraps )
+	{
+		return { -reach, reach };
+	}
+	return info.upper - info.lower <= ( turns ? 2 * reach : far_limits )
+	           ? std::pair( info.lower, info.upper )
+	           : std::pair( std::max( info.lower, middle - reach ), std::min( info.upper, middle + reach ) );
+}
+
+// The share of their ranges in which joints are drawn, around the reference state: all of it, until thousands of states were in contact.
+double shareOf( std::size_t tries )
+{
+	constexpr double shares[] = { 1, 0.5, 0.2, 0.05 };
+	return tries < wide_tries ? 1 : shares[tries % 4];
+}
+
+void draw( const io::Problem& problem, std::mt19937_64& random, double around, std::vector<double>& q )
 {
 	for ( std::size_t i = 0; i < q.size(); ++i )
 	{
 		const lw_variable_info info = lw_robot_variable( problem.robot.get(), problem.variables[i] );
-		const bool bounded = std::isfinite( info.lower ) && std::isfinite( info.upper ) && !info.wraps;
-		const double lower = bounded      ? info.lower
-		                     : info.wraps ? -pi
-		                                  : -1,
-		             upper = bounded      ? info.upper
-		                     : info.wraps ? pi
-		                                  : 1;
+		const auto [lower, upper] = drawnRange( problem, info );
+		const double middle = std::clamp( problem.reference[problem.variables[i]], lower, upper );
 		const double share = static_cast<double>( random() >> 11 ) * 0x1p-53;
-		q[i] = lower + ( upper - lower ) * share;
+		const double wide = lower + ( upper - lower ) * share;
+		q[i] = around < 1 ? middle + around * ( wide - middle ) : wide;
 		if ( lw_robot_joint_type( problem.robot.get(), info.joint ) == LW_JOINT_FLOATING && info.component == 6 )
 		{
 			const double length = std::hypot( std::hypot( q[i - 3], q[i - 2] ), std::hypot( q[i - 1], q[i] ) );
@@ -157,8 +179,50 @@ void draw( const io::Problem& problem, std::mt19937_64& random, std::vector<doub
 	}
 }
 
-/// Values of the group's joints, the same for the same seed on every machine: uniform within the limits; joints without limits turn once and
-/// shift by a metre. Joints outside of the group are where input.request starts, or at zero.
+// Counts of states by the pair that was in the way.
+class Blame
+{
+public:
+	explicit Blame( const io::Problem& problem ) : m_problem( problem ) {}
+	void add( const lw_state_reason& reason )
+	{
+		if ( reason.verdict == LW_VERDICT_BLOCKED || reason.verdict == LW_VERDICT_UNDECIDED )
+		{
+			++m_counts[{ reason.self, reason.pair.a, reason.pair.b }];
+		}
+	}
+	[[noreturn]] void refuse( const std::string& option, std::size_t tries ) const
+	{
+		const std::string problem = fmt::format( "none of {} random states is free", tries );
+		const auto most = std::max_element(
+		    m_counts.begin(), m_counts.end(), []( const auto& a, const auto& b ) { return a.second < b.second; } );
+		if ( most == m_counts.end() )
+		{
+			wrong( option, problem, "`leeway check` shows why; or write joint=value,joint=value" );
+		}
+		lw_clearance pair{};
+		const auto [self, a, b] = most->first;
+		pair.a = a;
+		pair.b = b;
+		const Named named =
+		    self ? nameSelf( m_problem.checker.get(), pair ) : nameEnvironment( m_problem.checker.get(), pair );
+		wrong( option,
+		    fmt::format( "{}: {} - {} were too near in {:.0f} % of them", problem, named.first, named.second,
+		        std::floor( 100 * double( most->second ) / double( tries ) ) ),
+		    fmt::format(
+		        "if they may touch, add --allow {}:{}, or an SRDF (`leeway pairs --out S.srdf` writes one); or write "
+		        "joint=value,joint=value",
+		        named.first, named.second ) );
+	}
+
+private:
+	const io::Problem& m_problem;
+	std::map<std::tuple<bool, std::uint32_t, std::uint32_t>, std::size_t> m_counts;
+};
+
+/// Values of the group's joints, the same for the same seed on every machine: uniform within the limits; joints without limits, and with limits
+/// that are far away, turn once and shift by a metre, and no joint turns more than once. If thousands of states are in contact, nearer to the reference state too. Joints outside
+/// of the group are where input.request starts, or at zero.
 /// @param option "--goal random", for the error @param seed different for start and goal
 /// @throws io::Error if none of many states is free
 Values randomFreeState( const std::string& option, const Input& input, const std::string& group, std::uint64_t seed )
@@ -171,12 +235,16 @@ Values randomFreeState( const std::string& option, const Input& input, const std
 	const Query query = makeQuery( problem.checker.get() );
 	std::mt19937_64 random( seed );
 	std::vector<double> q( problem.variables.size() );
-	for ( std::size_t tries = 0; tries < most_tries; ++tries )
+	Blame blame( problem );
+	const double begin = now();
+	std::size_t tries = 0;
+	for ( ; tries < most_tries && ( tries < 2 * wide_tries || now() - begin < most_seconds ); ++tries )
 	{
-		draw( problem, random, q );
+		draw( problem, random, shareOf( tries ), q );
 		bool free = false;
+		lw_state_reason reason{};
 		const lw_status status =
-		    lw_checker_is_free( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, input.min_d, &free, nullptr );
+		    lw_checker_is_free( problem.checker.get(), query.get(), q.data(), LW_CHECK_BOTH, input.min_d, &free, &reason );
 		if ( status == LW_OK && free )
 		{
 			Values values;
@@ -186,9 +254,9 @@ Values randomFreeState( const std::string& option, const Input& input, const std
 			}
 			return values;
 		}
+		blame.add( reason );
 	}
-	throw io::Error( "command line", option, fmt::format( "none of {} random states is free", most_tries ),
-	    "`leeway pairs` shows which pairs of links are always in contact; or write joint=value,joint=value" );
+	blame.refuse( option, tries );
 }
 
 // As RViz has them for goals: metres, radians.
@@ -249,7 +317,16 @@ void readGoalPose( const std::string& text, io::Request& request )
 	request.goal_orientations.push_back( orientation );
 }
 
-void clearGoal( io::Request& request, PlanEnds& ends, const char* option )
+/// The option, and the named state that it takes: a keyframe may be called random.
+std::string stateElement( const std::string& option, const std::string& text, const io::RobotModel& robot )
+{
+	const bool named = text.find( '=' ) == std::string::npos && !isRandom( text, robot );
+	return named ? fmt::format(
+	                   "{}, the state {} of {}", option, text, robot.srdf_file.empty() ? robot.urdf_file : robot.srdf_file )
+	             : option;
+}
+
+void clearGoal( io::Request& request, PlanEnds& ends, const std::string& option )
 {
 	request.goal.clear();
 	request.goal_positions.clear();
@@ -277,12 +354,13 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 	if ( !options.goal.empty() )
 	{
 		const std::string wanted = options.common.group.empty() ? request.group : options.common.group;
+		ends.goal_is_random = isRandom( options.goal, input.robot );
 		const End goal =
-		    isRandom( options.goal, input.robot )
+		    ends.goal_is_random
 		        ? End{ randomFreeState( "--goal random", withRequest( input, request ), wanted, 2 * options.seed + 1 ), "" }
 		        : parse( "--goal", options.goal, wanted, input.robot );
 		state_group = goal.group;
-		clearGoal( request, ends, "--goal" );
+		clearGoal( request, ends, stateElement( "--goal", options.goal, input.robot ) );
 		for ( const auto& [name, value] : goal.values )
 		{
 			request.goal.push_back( { name, value, 0, 0 } );
@@ -322,12 +400,48 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 	}
 	if ( !options.start.empty() || !from_file )
 	{
-		ends.start = { "command line", "--start" };
+		ends.start = { "command line", stateElement( "--start", options.start, input.robot ) };
 	}
 	request.file = from_file ? request.file : "command line";
 	ends.group = ends.group.empty() ? state_group : ends.group;
 	input.request = std::move( request );
 	return ends;
+}
+
+std::vector<std::vector<double>> wholeTurns( const io::Problem& problem, const std::vector<double>& q )
+{
+	constexpr std::size_t most = 32;
+	std::vector<std::vector<double>> states = { q };
+	for ( std::size_t i = 0; i < q.size(); ++i )
+	{
+		const lw_variable_info info = lw_robot_variable( problem.robot.get(), problem.variables[i] );
+		if ( info.wraps || lw_robot_joint_type( problem.robot.get(), info.joint ) != LW_JOINT_REVOLUTE )
+		{
+			continue;
+		}
+		for ( const double value : { q[i] - 2 * pi, q[i] + 2 * pi } )
+		{
+			const std::size_t count = value >= info.lower && value <= info.upper ? states.size() : 0;
+			for ( std::size_t k = 0; k < count && states.size() < most; ++k )
+			{
+				if ( states[k][i] == q[i] )
+				{
+					states.push_back( states[k] );
+					states.back()[i] = value;
+				}
+			}
+		}
+	}
+	return states;
+}
+
+void setGoal( io::Request& request, const io::Problem& problem, const std::vector<double>& q )
+{
+	request.goal.clear();
+	for ( std::size_t i = 0; i < q.size(); ++i )
+	{
+		request.goal.push_back( { problem.variable_names[i], q[i], 0, 0 } );
+	}
 }
 
 } // namespace leeway::cli

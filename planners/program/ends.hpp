@@ -5,6 +5,7 @@
 #include "program/setup.hpp"
 
 #include <string>
+#include <vector>
 
 namespace leeway::cli
 {
@@ -19,6 +20,7 @@ struct PlanEnds
 {
 	std::string group; ///< to plan for; empty: all joints
 	EndPlace start, goal;
+	bool goal_is_random = false; ///< then whole turns away it is as good
 };
 
 /// Puts the ends of --start, --goal and --goal-pose into input.request, which may be empty before. A group_state stands for its joints' values,
@@ -26,5 +28,11 @@ struct PlanEnds
 /// The group is that of --group, else of the request, else of the state that --goal or --start names, else all joints.
 /// @throws io::Error (no such state, joint or value; no goal)
 PlanEnds readEnds( const PlanOptions& options, Input& input );
+
+/// The state, and those at which the robot has the same places: joints whole turns away, within their limits. At most 32 states.
+std::vector<std::vector<double>> wholeTurns( const io::Problem& problem, const std::vector<double>& q );
+
+/// Makes a state of the group the goal of the request.
+void setGoal( io::Request& request, const io::Problem& problem, const std::vector<double>& q );
 
 } // namespace leeway::cli

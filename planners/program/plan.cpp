@@ -591,7 +591,8 @@ Solution solve(
 	}
 	else
 	{
-		goals.states = { io::goalState( bench.problem(), request ) };
+		const std::vector<double> goal = io::goalState( bench.problem(), request );
+		goals.states = ends.goal_is_random ? wholeTurns( bench.problem(), goal ) : Points{ goal };
 		requireUsable( options, bench, ends.goal, goals.states.front() );
 		noteEnd( ends.goal, groupLimitViolations( bench.problem(), goals.states.front() ), notices );
 	}
@@ -671,14 +672,26 @@ std::optional<io::ReachOptions> laterTables( Input& input )
 	return tables;
 }
 
+/// Seconds for motion hulls, beside those of --proofs: whoever has an answer wants the prompt back.
+constexpr double hulls_time = 1;
+
 /// For later runs, when the answer is written.
-void proveTables( const Workbench& bench, const io::ReachOptions& tables )
+void proveTables( const PlanOptions& options, const Workbench& bench, const io::ReachOptions& tables )
 {
 	const bool unfinished = tables.def.seconds > 0 && !bench.reach().info.complete;
-	if ( !bench.reach().reach || unfinished )
+	if ( bench.reach().reach && !unfinished )
 	{
-		tell( "leeway: the answer is complete; now proving for later runs which links never meet (--no-cache declines)\n" );
-		bench.proveTables( tables );
+		return;
+	}
+	const double seconds = hulls_time + tables.def.seconds;
+	tell(
+	    "leeway: the answer is complete; for later runs this one proves for at most {:g} s which links never meet (--no-cache declines)\n",
+	    seconds );
+	if ( !bench.proveTables( tables, seconds ) )
+	{
+		tell(
+		    "leeway: the robot's motion hulls take longer, and are not kept; `leeway info --robot {} --proofs 10` makes them\n",
+		    options.common.robot );
 	}
 }
 
@@ -689,6 +702,21 @@ AuditSettings auditSettings( const PlanOptions& options )
 	settings.resolution = options.resolution;
 	settings.flags = options.common.checkFlags();
 	return settings;
+}
+
+/// The audit of a path that was found, and of its ends. A random goal is the state at which the path ends.
+Audit auditSolution(
+    io::Request& request, const Workbench& bench, const PlanEnds& ends, const AuditSettings& settings, Solution& solution )
+{
+	Audit audit;
+	if ( solution.solved )
+	{
+		ends.goal_is_random ? setGoal( request, bench.problem(), solution.points.back() ) : void();
+		audit = audited( bench, solution.points, settings, request.file );
+		auditEnds( bench.problem(), request, solution.points, audit );
+		solution.seconds.audit = audit.seconds;
+	}
+	return audit;
 }
 
 } // namespace
@@ -718,13 +746,7 @@ int runPlan( const PlanOptions& options )
 	noteUsual( motion, notices );
 	Solution solution = solve( options, input, bench, ends, notices );
 	const AuditSettings settings = auditSettings( options );
-	Audit audit;
-	if ( solution.solved )
-	{
-		audit = audited( bench, solution.points, settings, input.request->file );
-		auditEnds( bench.problem(), *input.request, solution.points, audit );
-		solution.seconds.audit = audit.seconds;
-	}
+	const Audit audit = auditSolution( *input.request, bench, ends, settings, solution );
 	const bool good = solution.solved && audit.valid && solution.edges.all();
 	std::vector<OutputFile*> files;
 	std::string driven;
@@ -769,7 +791,7 @@ int runPlan( const PlanOptions& options )
 	}
 	if ( tables )
 	{
-		proveTables( bench, *tables );
+		proveTables( options, bench, *tables );
 	}
 	return good && is_driven_free ? exit_yes : exit_no;
 }

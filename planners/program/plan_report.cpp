@@ -212,6 +212,14 @@ void tellNoPath( const PlanOptions& options, const Workbench& bench, const Solut
 	    counted( solution.counters.edges, "edge" ), reasons.empty() ? "; try more --time, another --seed or --planner" : "",
 	    reasons.empty() && options.common.min_d > 0 ? ", or a smaller --min-d" : "", solution.undecided.empty() ? "" : "; ",
 	    solution.undecided, reasons );
+	const std::vector<planners::BlockingPair>& pairs = solution.stuck.pairs;
+	if ( options.common.srdf.empty() &&
+	     std::any_of( pairs.begin(), pairs.end(), []( const auto& pair ) { return pair.self; } ) )
+	{
+		tell(
+		    "leeway:   links may touch by design: `leeway pairs --robot {} --out S.srdf` finds them; then plan with --srdf S.srdf\n",
+		    options.common.robot );
+	}
 }
 
 std::string reportText( Json json, Json audit, bool good )

@@ -290,7 +290,8 @@ bool ReachProgress::report( void* self, const char* stage, double share )
 		progress.m_told = true;
 	}
 	progress.m_progress.stage( stage, share );
-	return true;
+	progress.m_ended = progress.m_ended || now() - progress.m_begin > progress.m_limit;
+	return !progress.m_ended;
 }
 
 void noteState( const Input& input, const io::Problem& problem, Notices& notices )
@@ -383,7 +384,7 @@ void Workbench::build( const Values& values )
 	}
 }
 
-void Workbench::proveTables( const io::ReachOptions& reach ) const
+bool Workbench::proveTables( const io::ReachOptions& reach, double seconds ) const
 {
 	Progress progress( "proving which links never meet" );
 	ReachProgress reach_progress( progress );
@@ -391,7 +392,19 @@ void Workbench::proveTables( const io::ReachOptions& reach ) const
 	options.reach = Reach();
 	options.find_reach = reach;
 	reach_progress.attach( options.find_reach->def );
-	m_notices.add( "the cache", io::buildProblem( m_input.robot, options ).reach.notices );
+	reach_progress.endAfter( seconds );
+	try
+	{
+		m_notices.add( "the cache", io::buildProblem( m_input.robot, options ).reach.notices );
+	}
+	catch ( const CoreError& )
+	{
+		if ( !reach_progress.isEnded() )
+		{
+			throw;
+		}
+	}
+	return !reach_progress.isEnded();
 }
 
 bool Workbench::use( const std::vector<double>& full )

@@ -51,11 +51,14 @@ public:
 	explicit ReachProgress( Progress& progress ) : m_progress( progress ) {}
 	/// Makes `def` report here; this must outlive the building.
 	void attach( lw_reach_def& def );
+	/// Cancels the building that many seconds after attach().
+	void endAfter( double seconds ) { m_limit = seconds; }
+	bool isEnded() const { return m_ended; }
 
 private:
 	static bool report( void* self, const char* stage, double share );
-	double m_budget = 0, m_begin = 0;
-	bool m_hulls_only = false, m_told = false;
+	double m_budget = 0, m_begin = 0, m_limit = HUGE_VAL;
+	bool m_hulls_only = false, m_told = false, m_ended = false;
 	Progress& m_progress;
 };
 
@@ -84,7 +87,8 @@ public:
 	const io::LoadedReach& reach() const { return m_reach; }
 
 	/// Builds or continues motion hulls and pair tables for later runs, in the cache; the checker keeps those that it has.
-	void proveTables( const io::ReachOptions& options ) const;
+	/// @return false if it ended without them after that many seconds
+	bool proveTables( const io::ReachOptions& options, double seconds ) const;
 
 	/// Makes the checker stand for the variables outside of the group as the full state has them.
 	/// @param full [robot variable_count]

@@ -191,6 +191,88 @@ TEST_F( CliEnds, RandomEndsAreFreeAndTheSameForASeed )
 	EXPECT_NE( first, other );
 }
 
+TEST_F( CliEnds, RandomEndsKeepAwayFromLimitsThatBoundNothing )
+{
+	write( "base.urdf", R"(<robot name="base"><link name="odom"/>
+	  <link name="slide"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+	  <link name="top"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+	  <joint name="x" type="prismatic"><parent link="odom"/><child link="slide"/><axis xyz="1 0 0"/>
+	    <limit lower="-999999" upper="999999" effort="1" velocity="1"/></joint>
+	  <joint name="turn" type="revolute"><parent link="slide"/><child link="top"/><axis xyz="0 0 1"/>
+	    <limit lower="2000" upper="4000" effort="1" velocity="1"/></joint>
+	  <link name="tool"/><joint name="twice" type="revolute"><parent link="top"/><child link="tool"/><axis xyz="0 0 1"/>
+	    <limit lower="-100" upper="100" effort="1" velocity="1"/></joint></robot>)" );
+	const Outcome outcome =
+	    run( { "plan", "--robot", "base.urdf", "--start", "random", "--goal", "random", "--out", "path.yaml" } );
+	ASSERT_EQ( outcome.status, 0 ) << outcome.err;
+	for ( const std::vector<double>& ends : { point( true ), point( false ) } )
+	{
+		EXPECT_LE( std::fabs( ends[0] ), 1 ); // a metre, and half a turn from the nearest value to zero
+		EXPECT_TRUE( ends[1] >= 2000 && ends[1] <= 2003.2 ) << ends[1];
+		EXPECT_LE( std::fabs( ends[2] ), 3.2 );
+	}
+	// nothing can be touched: an edge is a step
+	EXPECT_TRUE( contains( outcome.out, "VALID: 2 exact states" ) ) << outcome.out;
+}
+
+TEST_F( CliEnds, RandomEndsAreFoundWhereOnlyStatesNearTheReferenceAreFree )
+{
+	std::string robot = "<robot name='slots'><link name='base'>", joints;
+	for ( const std::string i : { "0", "1", "2", "3", "4", "5" } ) // each ball is free in a twentieth of its way
+	{
+		for ( const std::string side : { "0.65 ", "-0.65 " } )
+		{
+			robot += "<collision><origin xyz='0 " + side + i + "'/><geometry><box size='1 1 0.5'/></geometry></collision>";
+		}
+		joints += "<link name='ball" + i + "'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>";
+		joints += "<joint name='j" + i + "' type='prismatic'><parent link='base'/><child link='ball" + i +
+		          "'/><origin xyz='0 0 " + i +
+		          "'/><axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>";
+	}
+	write( "slots.urdf", robot + "</link>" + joints + "</robot>" );
+	const std::vector<std::string> plan = {
+	    "plan", "--robot", "slots.urdf", "--start", "random", "--goal", "random", "--strict" };
+	EXPECT_EQ( run( plan + std::vector<std::string>{ "--out", "path.yaml" } ).status, 0 );
+	edit( "slots.urdf", "sphere radius='0.1'", "sphere radius='0.2'" ); // wider than its slot
+	const Outcome outcome = run( plan );
+	EXPECT_EQ( outcome.status, 2 );
+	EXPECT_TRUE( contains( outcome.err, "random states is free: base - ball0 were too near in 100 % of them" ) &&
+	             contains( outcome.err, "--allow base:ball0" ) )
+	    << outcome.err;
+}
+
+TEST_F( CliEnds, AStateThatIsCalledRandomIsNamedAsTheSourceOfItsValues )
+{
+	write( "key.xml",
+	    "<mujoco><worldbody><body name='b'><joint name='j' type='slide' range='-1 1'/><geom size='0.1'/></body></worldbody>"
+	    "<keyframe><key name='random' qpos='3'/></keyframe></mujoco>" );
+	const Outcome outcome = run( { "plan", "--robot", "key.xml", "--start", "random", "--goal", "j=0" } );
+	EXPECT_EQ( outcome.status, 2 );
+	EXPECT_TRUE( contains( outcome.err, "--start, the state random of key.xml: joint j: 3 is above its limit 1" ) &&
+	             contains( outcome.err, "give a state inside the joint limits" ) )
+	    << outcome.err;
+}
+
+TEST_F( CliEnds, ARandomGoalIsAsGoodAWholeTurnAway )
+{
+	// a stick on a joint of four turns, and a wall of its base that it cannot pass
+	write( "stick.urdf",
+	    R"(<robot name="stick"><link name="base"><collision><origin xyz="1 0 0"/><geometry><box size="0.2 0.2 0.2"/></geometry>
+	  </collision></link><link name="stick"><collision><origin xyz="0.7 0 0"/><geometry><box size="0.8 0.05 0.05"/></geometry></collision></link>
+	  <joint name="j" type="revolute"><parent link="base"/><child link="stick"/><axis xyz="0 0 1"/>
+	    <limit lower="-12.56" upper="12.56" effort="1" velocity="1"/></joint></robot>)" );
+	for ( const char* seed : { "1", "2", "3", "4", "5", "6" } )
+	{
+		const Outcome outcome = run( { "plan", "--robot", "stick.urdf", "--strict", "--start", "random", "--goal", "random",
+		    "--seed", seed, "--time", "5", "--out", "path.yaml" } );
+		EXPECT_TRUE( outcome.status == 0 && contains( outcome.out, "audit       VALID" ) ) << seed << outcome.err;
+	}
+	const Outcome given =
+	    run( { "plan", "--robot", "stick.urdf", "--strict", "--start", "j=1", "--goal", "j=-1", "--time", "0.5" } );
+	EXPECT_EQ( given.status, 1 ) << "numbers are meant as they are";
+	EXPECT_TRUE( contains( given.err, "`leeway pairs --robot stick.urdf --out S.srdf` finds them" ) ) << given.err;
+}
+
 // ---- contacts that are allowed on the command line
 
 TEST_F( CliEnds, AnAllowedContactDoesNotCount )

@@ -30,6 +30,7 @@ __all__ = ["Converted", "load", "to_urdf"]
 WORLD = "world"
 AXES = {"X": numpy.array([1.0, 0, 0]), "Y": numpy.array([0, 1.0, 0]), "Z": numpy.array([0, 0, 1.0])}
 SAME = 1e-9  # relative difference of scales that are rounding
+FLAT = 1e-9  # determinant of a matrix of size 1 that has lost a direction
 JOINTS_REMEDY = "use fixed, revolute and prismatic joints in its place, or deactivate the prim (prim.SetActive(False))"
 
 
@@ -39,15 +40,27 @@ class Converted(NamedTuple):
     notices: list[str]  #: lines on parts that were changed or not used
 
 
-def load(stage, **options) -> Robot:
-    """The robot of a stage. stage: a path, or a Usd.Stage. options: those of leeway.Robot."""
+def load(stage, *, missing_meshes="refuse", **options) -> Robot:
+    """The robot of a stage. stage: a path, or a Usd.Stage. options: those of leeway.Robot; missing_meshes as for to_urdf()."""
     with tempfile.TemporaryDirectory(prefix="leeway-") as folder:
-        return Robot(to_urdf(stage, folder).urdf, **options)
+        read = _Stage(stage, missing_meshes)
+        made = read.write(pathlib.Path(folder))
+        try:
+            return Robot(made.urdf, missing_meshes=missing_meshes, **options)
+        except InputError as error:  # of a file that nobody has seen
+            raise read.problem(error.element, error.problem.replace(folder + "/", ""), error.remedy.replace(folder + "/", "")) from None
 
 
-def to_urdf(stage, folder) -> Converted:
-    """Writes robot.urdf and its meshes into a folder, which is made. stage: a path, or a Usd.Stage. Raises InputError."""
-    return _Stage(stage).write(pathlib.Path(folder))
+def to_urdf(stage, folder, *, missing_meshes="refuse") -> Converted:
+    """Writes robot.urdf and its meshes into a folder, which is made. stage: a path, or a Usd.Stage. missing_meshes: "refuse" or "skip", for
+    references to files and prims that are not there. Raises InputError."""
+    return _Stage(stage, missing_meshes).write(pathlib.Path(folder))
+
+
+def _reason(error):
+    """OpenUSD's reason why a stage does not open: its first line that says more than "failed"."""
+    said = re.findall(r"in file \S+ : '(.*?)'?\s*$", str(error), re.MULTILINE)
+    return next((line for line in said if not line.startswith("Failed to open layer")), "it is no stage, or damaged")
 
 
 def _rigid(matrix):
@@ -94,16 +107,21 @@ class _Joint(NamedTuple):
 
 
 class _Stage:
-    def __init__(self, stage):
+    def __init__(self, stage, missing_meshes):
         self.file = stage.GetRootLayer().identifier if isinstance(stage, Usd.Stage) else os.fspath(stage)
         if not isinstance(stage, Usd.Stage):
+            if not os.path.exists(self.file):
+                raise self.problem("", "no such file", "check the path")
             try:
                 stage = Usd.Stage.Open(self.file)
             except Exception as error:  # pxr.Tf.ErrorException
-                raise self.problem("", "cannot be opened: " + str(error).strip().splitlines()[-1], "give a stage of USD (.usd, .usda, .usdc, .usdz)") from None
+                raise self.problem("", "cannot be opened: " + _reason(error), "give a stage of USD (.usd, .usda, .usdc, .usdz)") from None
         self.stage, self.notices, self.files = stage, [], []
+        self.require_all_parts(missing_meshes)
         self.poses = UsdGeom.XformCache()  # default time
         scale = UsdGeom.GetStageMetersPerUnit(stage)
+        if not (math.isfinite(scale) and scale > 0):
+            raise self.problem("", f"metersPerUnit is {scale}", "give a number above 0, such as 1 or 0.01")
         self.to_metres = numpy.diag([scale, scale, scale, 1.0])
         if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y:
             self.to_metres = numpy.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]) @ self.to_metres
@@ -116,6 +134,17 @@ class _Stage:
                 self.links[prim.GetPath()] = self.fresh(prim, self.link_names)
         if not self.links:
             raise self.problem("", "has no prim with PhysicsRigidBodyAPI", "give the stage of a robot with UsdPhysics, or a URDF or MJCF of it")
+
+    def require_all_parts(self, missing_meshes):
+        """References, payloads and layers that are not there: their shapes would be missing without a word."""
+        if missing_meshes not in ("refuse", "skip"):
+            raise ValueError(f"missing_meshes is {missing_meshes!r}; give 'refuse' or 'skip'")
+        errors = list(dict.fromkeys(str(error).strip().rstrip(".") for error in self.stage.GetCompositionErrors()))
+        if errors and missing_meshes == "refuse":
+            place = re.search(r"introduced by @[^@]*@<([^>]*)>", errors[0])
+            raise self.problem(place[1] if place else "layers", errors[0] + (f", and {len(errors) - 1} more" if len(errors) > 1 else ""),
+                "put the file where the stage looks for it, or read the rest by missing_meshes=\"skip\"")
+        self.notices += ["LEFT OUT: " + error for error in errors]
 
     def problem(self, path, problem, remedy):
         error = InputError(": ".join(part for part in (self.file, str(path), f"{problem}; {remedy}") if part))
@@ -136,7 +165,13 @@ class _Stage:
 
     def matrix(self, prim):
         """From the prim's own frame to the world in metres, [4, 4] for columns."""
-        return self.to_metres @ numpy.array(self.poses.GetLocalToWorldTransform(prim)).T
+        matrix = self.to_metres @ numpy.array(self.poses.GetLocalToWorldTransform(prim)).T
+        if not numpy.isfinite(matrix).all():
+            raise self.problem(prim.GetPath(), "has a transform that is not finite, or stands in one", "correct its xformOps")
+        size = numpy.linalg.norm(matrix[:3, :3])
+        if not abs(numpy.linalg.det(matrix[:3, :3])) > FLAT * size**3:
+            raise self.problem(prim.GetPath(), "has a transform that makes it flat, or stands in one", "give scales other than 0, or take its API off it")
+        return matrix
 
     def body_of(self, prim):
         """The link that a prim is part of, by its path; None for the world."""
@@ -167,6 +202,9 @@ class _Stage:
         given = position.Get() or Gf.Vec3f(0)
         quaternion = rotation.Get() or Gf.Quatf(1)
         q = numpy.array([quaternion.GetReal(), *quaternion.GetImaginary()], float)
+        for attribute, value in ((position, given), (rotation, q)):
+            if not numpy.isfinite(value).all():
+                raise self.problem(path, f"{attribute.GetName()} is not finite", "correct it")
         if not numpy.linalg.norm(q) > 0:
             raise self.problem(path, f"{rotation.GetName()} is the zero quaternion", "write (1, 0, 0, 0) for no rotation")
         w, x, y, z = q / numpy.linalg.norm(q)
@@ -241,7 +279,7 @@ class _Stage:
         """(type, axis, lower, upper) in radians and metres."""
         revolute = joint.prim.GetTypeName() == "PhysicsRevoluteJoint"
         schema = (UsdPhysics.RevoluteJoint if revolute else UsdPhysics.PrismaticJoint)(joint.prim)
-        axis = AXES[schema.GetAxisAttr().Get() or "X"] * (-1 if joint.reverse else 1)
+        axis = AXES[self.axis(schema.GetAxisAttr(), "X")] * (-1 if joint.reverse else 1)
         lower, upper = (attribute.Get() for attribute in (schema.GetLowerLimitAttr(), schema.GetUpperLimitAttr()))
         lower, upper = (-math.inf if lower is None else lower), (math.inf if upper is None else upper)
         path = joint.prim.GetPath()
@@ -254,6 +292,13 @@ class _Stage:
             raise self.problem(path, "has a limit on one side only" if any(bounded) else "slides without limits", "give both limits")
         unit = self.unit_of(joint.prim)
         return ("revolute" if revolute else "prismatic"), axis, lower * unit, upper * unit
+
+    def axis(self, attribute, default):
+        """X, Y or Z."""
+        axis = attribute.Get() or default
+        if axis not in AXES:
+            raise self.problem(attribute.GetPrim().GetPath(), f"{attribute.GetName()} is {axis}", "give X, Y or Z")
+        return axis
 
     def unit_of(self, prim):
         """Radians or metres of one unit of a joint."""
@@ -274,6 +319,8 @@ class _Stage:
         offset, factor = (joint.prim.GetAttribute("newton:mimicCoef" + number) for number in "01")
         offset = offset.Get() if offset and offset.Get() is not None else 0.0
         factor = factor.Get() if factor and factor.Get() is not None else 1.0
+        if not (math.isfinite(offset) and math.isfinite(factor)):
+            raise self.problem(path, f"newton:mimicCoef0 and newton:mimicCoef1 are {offset} and {factor}", "give finite numbers")
         return (f'<mimic joint={quoteattr(names[other.GetPath()])} multiplier="{float(factor)!r}" ' +
             f'offset="{float(offset) * self.unit_of(joint.prim)!r}"/>')
 
@@ -349,7 +396,7 @@ class _Stage:
         elif prim.IsA(UsdGeom.Cylinder) or prim.IsA(UsdGeom.Capsule):
             capsule = prim.IsA(UsdGeom.Capsule)
             schema = (UsdGeom.Capsule if capsule else UsdGeom.Cylinder)(prim)
-            along = "XYZ".index(schema.GetAxisAttr().Get() or "Z")
+            along = "XYZ".index(self.axis(schema.GetAxisAttr(), "Z"))
             across = [i for i in range(3) if i != along]
             radius = same([0, 1, 2] if capsule else across, "capsule" if capsule else "cylinder") * value(schema.GetRadiusAttr())
             length = float(scales[along]) * value(schema.GetHeightAttr())  # of a capsule: without its caps, as in URDF
@@ -374,6 +421,8 @@ class _Stage:
             kind = UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Get()
             if kind not in (None, "none"):
                 self.notices.append(f"{path}: the mesh itself is used, not its approximation {kind}")
+        if not numpy.isfinite(points).all():
+            raise self.problem(path, f"point {int(numpy.argmin(numpy.isfinite(points).all(axis=1)))} is not finite", "repair the mesh")
         moved = points @ matrix[:3, :3].T + matrix[:3, 3]
         lines = [f"v {_numbers(point)}" for point in moved]
         start = 0

@@ -32,9 +32,10 @@ PyObject* newClass( nb::module_& module, const char* name, const char* doc, cons
 	return made;
 }
 
+/// Bytes of files and of their names need not be UTF-8.
 nb::object text( const std::string& value )
 {
-	return nb::str( value.c_str(), value.size() );
+	return nb::steal( PyUnicode_DecodeUTF8( value.data(), static_cast<Py_ssize_t>( value.size() ), "backslashreplace" ) );
 }
 
 void raise(

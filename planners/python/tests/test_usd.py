@@ -248,6 +248,92 @@ def test_what_cannot_be_read_is_refused_by_its_path():
         usd.load(new_stage())
 
 
+def set_attribute(path, name, value):
+    return lambda stage: stage.GetPrimAtPath(path).GetAttribute(name).Set(value)
+
+
+def placed_by(matrix):
+    return lambda stage: UsdGeom.Xformable(stage.GetPrimAtPath("/robot/l0")).GetOrderedXformOps()[0].Set(matrix)
+
+
+def with_joint(name, value):
+    def edit(stage):
+        add_joint(stage, "Revolute", "/robot/j", "/robot/l0", "/robot/l1")
+        set_attribute("/robot/j", name, value)(stage)
+    return edit
+
+
+def with_mesh(points=((0, 0, 0), (1, 0, 0), (0, 1, 0)), counts=(3,), indices=(0, 1, 2)):
+    def edit(stage):
+        mesh = UsdGeom.Mesh.Define(stage, "/robot/l0/m")
+        UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
+        mesh.CreatePointsAttr(list(points))
+        mesh.CreateFaceVertexCountsAttr(list(counts))
+        mesh.CreateFaceVertexIndicesAttr(list(indices))
+    return edit
+
+
+def with_arc(stage):
+    stage.DefinePrim("/robot/arm").GetReferences().AddReference("./gone.usda")
+
+
+@pytest.mark.parametrize("edit, words", [
+    (placed_by(Gf.Matrix4d(math.nan)), "/robot/l0: has a transform that is not finite"),
+    (placed_by(Gf.Matrix4d(0)), "/robot/l0: has a transform that makes it flat"),
+    (lambda stage: UsdGeom.Xformable(stage.GetPrimAtPath("/robot/l0/ball")).AddScaleOp().Set(Gf.Vec3f(1, 0, 1)), "/robot/l0/ball: has a transform that makes it flat"),
+    (lambda stage: UsdGeom.SetStageMetersPerUnit(stage, 0), "metersPerUnit is 0"),
+    (lambda stage: UsdGeom.SetStageMetersPerUnit(stage, -1), "metersPerUnit is -1"),
+    (with_joint("physics:lowerLimit", math.nan), "/robot/j: lower limit nan"),
+    (with_joint("physics:localPos0", Gf.Vec3f(0, math.inf, 0)), "/robot/j: physics:localPos0 is not finite"),
+    (with_joint("physics:localRot1", Gf.Quatf(math.nan, 0, 0, 0)), "/robot/j: physics:localRot1 is not finite"),
+    (with_joint("physics:localRot1", Gf.Quatf(0, 0, 0, 0)), "/robot/j: physics:localRot1 is the zero quaternion"),
+    (with_joint("physics:axis", "W"), "/robot/j: physics:axis is W; give X, Y or Z"),
+    (set_attribute("/robot/l0/ball", "radius", math.nan), "/robot/l0/ball: radius is nan"),
+    (set_attribute("/robot/l0/ball", "radius", -1.0), "/robot/l0/ball: radius is -1"),
+    (with_mesh(points=((0, 0, 0), (math.nan, 0, 0), (0, 1, 0))), "/robot/l0/m: point 1 is not finite; repair"),
+    (with_mesh(points=((3e38, 0, 0), (1, 0, 0), (0, 1, 0))), "link l0, collision .*more than 1e.09 m from the origin"),
+    (with_mesh(indices=(0, 1, -1)), "/robot/l0/m: has faces that are none of its points"),
+    (with_mesh(counts=(2147483647,)), "/robot/l0/m: has faces that are none of its points"),
+    (with_arc, "/robot/arm: Could not open asset @gone.usda@.*missing_meshes"),
+])
+def test_damaged_stages_are_refused_by_the_path_of_the_prim(edit, words):
+    refused(edit, words)
+
+
+def test_messages_name_the_stage_and_not_the_file_that_was_made_of_it(tmp_path):
+    stage = new_stage()
+    add_body(stage, "/robot/l0")
+    with_mesh(points=((3e38, 0, 0), (1, 0, 0), (0, 1, 0)))(stage)
+    stage.Export(str(tmp_path / "robot.usda"))
+    with pytest.raises(leeway.InputError, match="robot.usda: link l0") as raised:
+        usd.load(tmp_path / "robot.usda")
+    assert "leeway-" not in str(raised.value)
+
+
+def test_missing_references_are_left_out_on_request():
+    stage = new_stage()
+    add_body(stage, "/robot/l0")
+    with_arc(stage)
+    assert usd.load(stage, missing_meshes="skip").links == ["world", "l0"]
+    with pytest.raises(ValueError, match="give 'refuse' or 'skip'"):
+        usd.load(stage, missing_meshes="ignore")
+
+
+def test_files_that_are_cut_tell_where(tmp_path):
+    stage = new_stage()
+    add_body(stage, "/robot/l0")
+    for name in ("robot.usda", "robot.usdc"):
+        stage.Export(str(tmp_path / name))
+    text, binary = (tmp_path / "robot.usda").read_text(), (tmp_path / "robot.usdc").read_bytes()
+    (tmp_path / "cut.usda").write_text(text[:len(text) * 2 // 3])
+    (tmp_path / "cut.usdc").write_bytes(binary[:len(binary) // 2])
+    (tmp_path / "word.usda").write_text(text.replace("radius = 0.01", "radius = big"))
+    for name, words in (("cut.usda", "cut.usda:[0-9]+:"), ("cut.usdc", "possibly truncated"), ("word.usda", "radius"), ("gone.usda", "no such file")):
+        with pytest.raises(leeway.InputError, match=f"{name}: .*{words}") as raised:
+            usd.load(tmp_path / name)
+        assert raised.value.remedy
+
+
 def test_files_that_are_no_stage_and_stages_in_files(tmp_path):
     (tmp_path / "no.usda").write_text("no stage")
     with pytest.raises(leeway.InputError, match="no.usda: cannot be opened"):

@@ -81,6 +81,54 @@ def test_a_failure_of_xacro_is_told_with_its_words(folder):
         leeway.Robot(folder / "arm.urdf.xacro", xacro={"two words": 1})
 
 
+LINK = '<link name="a"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>'
+JOINT = '<link name="b"/><joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/><limit lower="{}" upper="1"/></joint>'
+MACRO = '<xacro:macro name="m" params="{}">{}</xacro:macro>'
+
+DAMAGED = {  # file: words of the message, beside the name of the file and a remedy
+    HEAD + LINK[:30]: "line 1: not well-formed XML",
+    HEAD + "<xacro:if>" + LINK + "</robot>": "line 1: not well-formed XML",
+    "<robot name='r'>" + LINK + "<xacro:no/></robot>": "<xacro:no> .line 1.: .*declare xacro's namespace; write <robot xmlns:xacro",
+    HEAD + LINK + "<xacro:no_such_macro/></robot>": "unknown macro name: xacro:no_such_macro",
+    HEAD + MACRO.format("x", "<link name='${x}'/>") + LINK + "<xacro:m/></robot>": r"Undefined parameters \[x\] when instantiating macro: m",
+    HEAD + MACRO.format("x", "<link name='${x}'/>") + LINK + "<xacro:m x='1' y='2'/></robot>": 'Invalid parameter "y" when instantiating macro: m',
+    HEAD + MACRO.format("*o", "<link name='x'/>") + LINK + "<xacro:m/></robot>": "Not enough blocks when instantiating macro: m",
+    HEAD + MACRO.format("", "<xacro:m/>") + LINK + "<xacro:m/></robot>": "recursion depth exceeded.*macro: m",
+    HEAD + LINK + '<link name="${1 +}"/></robot>': "when evaluating expression '1 .'",
+    HEAD + LINK + '<link name="${1 + 2"/></robot>': r"invalid expression: \$\{1 . 2",
+    HEAD + LINK + '<link name="l${1/0}"/></robot>': "division by zero *when evaluating expression '1/0'",
+    HEAD + '<xacro:include filename="parts/nowhere.xacro"/>' + LINK + "</robot>": "No such file or directory: .*parts/nowhere.xacro",
+    HEAD + '<xacro:include filename="broken.xacro"/>' + LINK + "</robot>": "line 1, column .*broken.xacro included from",
+    HEAD + LINK + '<link name="$(arg side)"/></robot>': "Undefined substitution argument side",
+    HEAD + LINK + '<link name="$(fnd package)"/></robot>': r"Unknown substitution command \[fnd package\]",
+    HEAD + LINK + '<link name="$(env NOBODY_SET_THIS)"/></robot>': "environment variable 'NOBODY_SET_THIS' is not set",
+    HEAD + LINK + '<xacro:property name="x" value="${y}"/><xacro:property name="y" value="${x}"/><link name="${x}"/></robot>': "circular variable definition: x",
+    HEAD + LINK + '<xacro:if value="perhaps"><link name="b"/></xacro:if></robot>': 'conditional "perhaps"',
+    HEAD + LINK + "<link name=\"${xacro.load_yaml('no.yaml')}\"/></robot>": "No such file or directory: .*no.yaml",
+    HEAD + LINK + '<link name="b"><xacro:insert_block name="nothing"/></link></robot>': 'Undefined block "nothing"',
+    HEAD + LINK + JOINT.format("${'left'}") + "</robot>": "joint j .line .* of the text that xacro wrote: lower=.left. of <limit>: .*not a number; write",
+    HEAD + LINK + JOINT.format("${float('nan')}") + "</robot>": "joint j .line .* of the text that xacro wrote: .*not finite; write",
+    HEAD + MACRO.format("", LINK) + "<xacro:m/><xacro:m/></robot>": "link a .line .* of the text that xacro wrote: .*defined before; rename",
+    HEAD + '<xacro:property name="x" value="1"/></robot>': "has no link: it may define macros only; name the file",
+}
+
+
+@pytest.mark.parametrize("text", DAMAGED, ids=range(len(DAMAGED)))
+def test_damaged_files_are_refused_with_their_place(folder, text):
+    (folder / "broken.xacro").write_text(HEAD + "<link")
+    (folder / "bad.urdf.xacro").write_text(text)
+    with pytest.raises(leeway.InputError, match="(?s)bad.urdf.xacro: .*" + DAMAGED[text]) as raised:
+        leeway.Robot(folder / "bad.urdf.xacro", xacro={})
+    assert raised.value.file.endswith("bad.urdf.xacro") and raised.value.element and raised.value.remedy
+
+
+def test_bytes_that_are_no_text_are_shown(folder):
+    (folder / "bytes.xacro").write_bytes((HEAD + LINK).encode() + b"<link name='\xff\xfe'/></robot>")
+    with pytest.raises(leeway.InputError, match="bytes.xacro: ") as raised:
+        leeway.Robot(folder / "bytes.xacro", xacro={})
+    assert raised.value.remedy
+
+
 def test_packages_are_found_as_those_of_meshes(folder):
     package = folder / "clone" / "robot"
     (package / "urdf").mkdir(parents=True)

@@ -137,4 +137,6 @@ TEST_F( MjcfTest, TheFormatIsFoundByContentAndNotByName )
 	    [&] { loadRobot( robot, robot ); }, { "this is an MJCF model, and the root element of a SRDF is <robot>" } );
 	expectError( [&] { loadRobot( write( "c.xml", "<robot xmlns:xacro=\"x\"><xacro:arm/></robot>" ), "" ); },
 	    { "this is a xacro file", "run xacro first" } );
+	expectError( [&] { loadRobot( write( "d.xml", "<robot><xacro:arm/></robot>" ), "" ); },
+	    { "d.xml", "<xacro:arm> (line 1)", "does not declare xacro's namespace", "xmlns:xacro=" } );
 }

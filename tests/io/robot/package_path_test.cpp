@@ -167,6 +167,24 @@ TEST_F( PackagePathTest, AFileWithoutAPackageIsAPath )
 	EXPECT_EQ( resolve( "arm", "package://m.obj", options ), given );
 }
 
+TEST_F( PackagePathTest, ARelativePathIsLookedForUpwardsWithANotice )
+{
+	const std::string file = writeTetrahedron( "robot/meshes/m.obj" );
+	EXPECT_EQ( resolve( "robot/xacro", "./meshes/m.obj" ), file );
+	const std::vector<Notice> notices = loadRobot( path( "robot/xacro/robot.urdf" ), "" ).report.notices;
+	EXPECT_TRUE( std::any_of( notices.begin(), notices.end(),
+	    [&]( const Notice& notice )
+	    {
+		    return notice.element == "relative paths" &&
+		           notice.text == "meshes/m.obj is not below the folder of this file; it was taken from " + path( "robot" );
+	    } ) );
+	EXPECT_EQ( resolve( "robot/xacro/meshes/..", "meshes/m.obj" ), file );
+	const std::string nearer = writeTetrahedron( "robot/xacro/meshes/m.obj" );
+	EXPECT_EQ( resolve( "robot/xacro", "meshes/m.obj" ), nearer ) << "beside the file is no guess";
+	writeTetrahedron( "robot/bare.obj" );
+	expectError( [&] { resolve( "robot/xacro", "bare.obj" ); }, { "bare.obj was not found" } );
+}
+
 TEST_F( PackagePathTest, MissingMeshesAreLeftOutOnRequestOnly )
 {
 	writeTetrahedron( "m.obj" );

@@ -199,6 +199,25 @@ Resolved guessPackage( const PackageUri& parts, const fs::path& from_folder, Sea
 	}
 }
 
+/// A path with a folder, such as meshes/arm.stl: the nearest folder upwards that has it. xacro files are often written for a robot.urdf elsewhere.
+Resolved guessFolder( const std::string& uri, const fs::path& from_folder )
+{
+	const fs::path path = fs::path( uri ).lexically_normal();
+	std::vector<std::string> guessed;
+	Search search( guessed );
+	for ( fs::path folder = from_folder; path.is_relative() && path.has_parent_path() && folder != folder.parent_path(); )
+	{
+		folder = folder.parent_path();
+		if ( search.at( folder / path ) )
+		{
+			return { search.found(), "relative paths",
+			    fmt::format(
+			        "{} is not below the folder of this file; it was taken from {}", path.string(), folder.string() ) };
+		}
+	}
+	return {};
+}
+
 /// @param tried receives every path that was tried, in order; those of guesses are in it only if one is right
 Resolved resolveUri(
     const std::string& uri, const std::string& from_file, const LoadOptions& options, std::vector<std::string>& tried )
@@ -225,9 +244,9 @@ Resolved resolveUri(
 	{
 		search.at( from_folder / uri.substr( file_scheme.size() ) );
 	}
-	else
+	else if ( !search.at( from_folder / uri ) ) // an absolute path replaces the folder
 	{
-		search.at( from_folder / uri ); // an absolute path replaces the folder
+		return guessFolder( uri, from_folder );
 	}
 	return { search.found(), "", "" };
 }

@@ -171,6 +171,12 @@ void XmlFile::requireRobot( const char* kind ) const
 	// An expanded file may still declare the xacro namespace; only elements and values that xacro replaces mark a xacro file
 	if ( const tinyxml2::XMLElement* xacro = findXacro( root() ) )
 	{
+		if ( root().Attribute( "xmlns:xacro" ) == nullptr && std::strncmp( xacro->Name(), "xacro:", 6 ) == 0 )
+		{
+			fail( *xacro, fmt::format( "<{}>", xacro->Name() ),
+			    "this is a xacro file whose <robot> does not declare xacro's namespace",
+			    "write <robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\" ...>; then it is read as it is" );
+		}
 		fail( *xacro, fmt::format( "<{}>", xacro->Name() ), "this is a xacro file",
 		    fmt::format(
 		        "run xacro first: xacro {} > robot.{}", m_path, std::strcmp( kind, "URDF" ) == 0 ? "urdf" : "srdf" ) );
