@@ -269,7 +269,9 @@ const HelpText view_help = {
 joint sliders with the clearance of each state.
 
 Example: leeway view --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml --out page.html)",
-    R"(Without --path, --trajectory and --states the page shows the start state: that of the request, else 0. Paths and trajectories are
+    R"(Several --path make one page: a choice shows one of them, the chart has the clearances of all, and a table their lengths and smallest clearances.
+
+Without --path, --trajectory and --states the page shows the start state: that of the request, else 0. Paths and trajectories are
 measured at 400 places, at their corners, and around their smallest clearances. --trajectory takes the files of `leeway audit`, --states
 the tables of `leeway check`.
 

@@ -380,7 +380,8 @@ CLI::App* addView( CLI::App& app, ViewOptions& options )
 	CLI::App* command = app.add_subcommand( "view", "show robot, scene, motion and clearances in one HTML page" );
 	addHelp( *command, view_help.summary, view_help.details );
 	addCommonOptions( *command, options.common, { true, false, true, true, true } );
-	CLI::Option* path = command->add_option( "--path", options.path, "a path of leeway plan" )->type_name( "path.yaml" );
+	CLI::Option* path = command->add_option( "--path", options.paths, "a path of leeway plan; again for more, to compare" )
+	                        ->type_name( "path.yaml" );
 	CLI::Option* trajectory = command->add_option( "--trajectory", options.trajectory, "a timed trajectory" )
 	                              ->type_name( "FILE" )
 	                              ->excludes( path );

@@ -167,7 +167,8 @@ struct WorldOptions
 struct ViewOptions
 {
 	CommonOptions common;
-	std::string path, trajectory, states, out;
+	std::vector<std::string> paths; ///< the first one is shown first
+	std::string trajectory, states, out;
 	PictureOptions picture;
 	std::uint32_t triangles = 5000; ///< shown of one mesh
 	bool stored = false;

@@ -17,7 +17,7 @@ namespace
 /// One of the three sources of a motion, read; none: the start state alone.
 struct Source
 {
-	std::optional<PathFile> path;
+	std::vector<PathFile> paths;
 	std::vector<TrajectoryFile> trajectories;
 	std::optional<CsvTable> states;
 	std::string file;
@@ -26,12 +26,12 @@ struct Source
 Source readSource( const ViewOptions& options )
 {
 	Source source;
-	if ( !options.path.empty() )
+	for ( const std::string& file : options.paths )
 	{
-		source.path = readPath( options.path );
-		readsFile( "--path", options.path );
+		source.paths.push_back( readPath( file ) );
+		readsFile( "--path", file );
 	}
-	else if ( !options.trajectory.empty() )
+	if ( !options.trajectory.empty() )
 	{
 		source.trajectories = readTrajectories( options.trajectory );
 		readsFile( "--trajectory", options.trajectory );
@@ -41,7 +41,7 @@ Source readSource( const ViewOptions& options )
 		source.states = readCsv( options.states );
 		readsFile( "--states", options.states );
 	}
-	source.file = options.path + options.trajectory + options.states;
+	source.file = ( options.paths.empty() ? "" : options.paths.front() ) + options.trajectory + options.states;
 	return source;
 }
 
@@ -50,12 +50,24 @@ Workbench makeBench( const Source& source, const ViewOptions& options, const Inp
 	std::string group = options.common.group;
 	Values start;
 	std::vector<io::Notice> unused;
-	if ( source.path )
+	for ( const PathFile& path : source.paths )
 	{
-		group = groupOf( *source.path, group, input.robot );
-		start = startValues( *source.path, input.robot, unused );
+		const std::string of_path = groupOf( path, options.common.group, input.robot );
+		const Values its_start = startValues( path, input.robot, unused );
+		if ( &path != &source.paths.front() && of_path != group )
+		{
+			throw io::Error( path.file, "group",
+			    fmt::format( "is '{}', and that of {} is '{}'", of_path, source.file, group ),
+			    "show paths of one group in a page" );
+		}
+		group = of_path;
+		start = &path == &source.paths.front() ? its_start : start;
 	}
-	else if ( !source.trajectories.empty() )
+	if ( !source.paths.empty() )
+	{
+		return Workbench( input, group, start, notices );
+	}
+	if ( !source.trajectories.empty() )
 	{
 		group = groupOf( source.trajectories.front(), group, input.robot );
 		start = startValues( source.trajectories, input.robot, unused );
@@ -91,7 +103,7 @@ std::vector<std::vector<double>> statesOf(
 /// The required clearance: of the options, else of the path.
 double requiredOf( const Source& source, const ViewOptions& options )
 {
-	return options.common.min_d_given || !source.path ? options.common.min_d : source.path->min_d;
+	return options.common.min_d_given || source.paths.empty() ? options.common.min_d : source.paths.front().min_d;
 }
 
 ViewMotion motionOf(
@@ -101,10 +113,10 @@ ViewMotion motionOf(
 	const io::Problem& problem = bench.problem();
 	Progress progress( "measuring the motion" );
 	const Measuring how = { problem, flags, requiredOf( source, options ), source.file, shownBy( progress ) };
-	if ( source.path )
+	if ( !source.paths.empty() )
 	{
-		notices.add( "keys of the path", source.path->notices );
-		return motionOfPath( how, groupPoints( *source.path, problem ) );
+		notices.add( "keys of the path", source.paths.front().notices );
+		return motionOfPath( how, groupPoints( source.paths.front(), problem ) );
 	}
 	if ( !source.trajectories.empty() )
 	{
@@ -134,6 +146,33 @@ ViewMotion motionOf(
 	return motionOfStates( problem, { io::startState( problem ) }, {}, flags, options.common.robot );
 }
 
+/// Motions that are compared show all of their pairs: what one sets apart may be near in another.
+void setNothingApart( ViewMotion& motion )
+{
+	motion.apart.clear();
+	for ( ViewStep& step : motion.steps )
+	{
+		step.others = step.result;
+	}
+}
+
+/// The other paths, by their files.
+std::vector<NamedMotion> othersOf(
+    const Source& source, const ViewOptions& options, const io::Problem& problem, Notices& notices )
+{
+	std::vector<NamedMotion> out;
+	for ( std::size_t i = 1; i < source.paths.size(); ++i )
+	{
+		const PathFile& path = source.paths[i];
+		Progress progress( "measuring the motion" );
+		notices.add( "keys of the path", path.notices );
+		const Measuring how = {
+		    problem, options.common.checkFlags(), requiredOf( source, options ), path.file, shownBy( progress ) };
+		out.push_back( { path.file, motionOfPath( how, groupPoints( path, problem ) ) } );
+	}
+	return out;
+}
+
 } // namespace
 
 int runView( const ViewOptions& options )
@@ -159,6 +198,15 @@ int runView( const ViewOptions& options )
 	page.triangles = options.triangles;
 	page.live = !options.stored;
 	page.source = source.file;
+	page.more = othersOf( source, options, bench.problem(), notices );
+	for ( NamedMotion& one : page.more )
+	{
+		setNothingApart( one.motion );
+	}
+	if ( !page.more.empty() )
+	{
+		setNothingApart( page.motion );
+	}
 	page.notes = notices.all();
 	Progress progress( "making the page" );
 	page.progress = shownBy( progress );

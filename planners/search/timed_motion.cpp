@@ -105,25 +105,36 @@ double TimedMotion::othersEnd() const
 	return end;
 }
 
+/// All that moves at a time.
+bool TimedMotion::isMomentFree( double time )
+{
+	bool free = false;
+	++m_statistics.states;
+	const lw_edge_def& edge = m_settings.timed.edge;
+	lw_status status = lw_clock_state( m_checker.get(), &m_clock, time, m_state.data() );
+	status = status != LW_OK
+	             ? status
+	             : lw_checker_is_free( m_checker.get(), m_query, m_state.data(), edge.flags, edge.min_d, &free, nullptr );
+	m_status = m_status != LW_OK ? m_status : status;
+	m_statistics.states_free += free;
+	return free && status == LW_OK;
+}
+
 /// Three states inside of the motion; proves nothing.
 bool TimedMotion::seemsFree( double from, double to )
 {
-	for ( const double share : { 0.5, 0.25, 0.75 } )
-	{
-		bool free = false;
-		++m_statistics.states;
-		const lw_status status = lw_clock_state( m_checker.get(), &m_clock, from + share * ( to - from ), m_state.data() );
-		m_status = m_status != LW_OK ? m_status : status;
-		const lw_status checked = lw_checker_is_free( m_checker.get(), m_query, m_state.data(), m_settings.timed.edge.flags,
-		    m_settings.timed.edge.min_d, &free, nullptr );
-		m_status = m_status != LW_OK ? m_status : checked;
-		m_statistics.states_free += free;
-		if ( !free )
-		{
-			return false;
-		}
-	}
-	return true;
+	const double length = to - from;
+	return isMomentFree( from + 0.5 * length ) && isMomentFree( from + 0.25 * length ) &&
+	       isMomentFree( from + 0.75 * length );
+}
+
+bool TimedMotion::isStateFree( const double* q, double time )
+{
+	std::copy_n( q, m_settings.variables.size(), m_points.begin() );
+	m_pieces.assign( 1, { time, time + 1, 0, m_points.data() } );
+	m_tracks.back().pieces = m_pieces.data();
+	m_tracks.back().piece_count = 1;
+	return isMomentFree( time );
 }
 
 bool TimedMotion::prove( double from, double to )

@@ -26,6 +26,8 @@ public:
 	/// Seconds: all given tracks rest from then on.
 	double othersEnd() const;
 
+	/// A state at a time, on the tracks themselves.
+	bool isStateFree( const double* q, double time );
 	/// A straight motion. Its tolerance has the lag at full speed, so that motions one after the other are proved together, too.
 	bool isFree( const double* a, double from, const double* b, double to );
 	bool isRestFree( const double* q, double from, double to );
@@ -38,6 +40,7 @@ public:
 	lw_status status() const { return m_status; }
 
 private:
+	bool isMomentFree( double time );
 	bool seemsFree( double from, double to );
 	bool prove( double from, double to );
 

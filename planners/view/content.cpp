@@ -147,17 +147,17 @@ Json stateJson( const lw_checker* checker, const lw_state_result& r )
 	    { "self", clearanceJson( s, lw_checker_self_margin( checker, s.a, s.b ) ) } };
 }
 
-Json motionJson( const PageInput& page )
+Json motionJson( const PageInput& page, const ViewMotion& motion, const std::string& source )
 {
 	static const char* const units[] = { "none", "seconds", "share", "state" };
 	const lw_checker* checker = page.problem.checker.get();
 	Json steps = Json::array();
-	for ( const ViewStep& step : page.motion.steps )
+	for ( const ViewStep& step : motion.steps )
 	{
 		Json json = stateJson( checker, step.result );
 		json["at"] = step.at;
 		json["q"] = step.q;
-		if ( !page.motion.apart.empty() )
+		if ( !motion.apart.empty() )
 		{
 			json["others"] = stateJson( checker, step.others );
 		}
@@ -176,13 +176,18 @@ Json motionJson( const PageInput& page )
 		steps.push_back( std::move( json ) );
 	}
 	Json apart = Json::array();
-	for ( const ApartPair& pair : page.motion.apart )
+	for ( const ApartPair& pair : motion.apart )
 	{
 		apart.push_back( { { "self", pair.pair.self ? 1 : 0 }, { "a", pair.pair.a }, { "b", pair.pair.b },
 		    { "least", pair.least }, { "most", pair.most } } );
 	}
-	return { { "unit", units[static_cast<int>( page.motion.unit )] }, { "steps", steps }, { "apart", apart },
-	    { "least", leastStep( page.motion ) }, { "pairs", closestPairs( page.motion ) }, { "source", page.source } };
+	double length = 0;
+	for ( std::size_t i = 1; i < motion.steps.size(); ++i )
+	{
+		length += jointDistance( page.problem, motion.steps[i - 1].q, motion.steps[i].q );
+	}
+	return { { "unit", units[static_cast<int>( motion.unit )] }, { "steps", steps }, { "apart", apart },
+	    { "least", leastStep( motion ) }, { "pairs", closestPairs( motion ) }, { "source", source }, { "length", length } };
 }
 
 void addModel( const PageInput& page, const ShapeList& shapes, PageContent& content )
@@ -290,7 +295,11 @@ PageContent pageContent( const PageInput& page )
 	addModel( page, shapes, content );
 	content.json["shapes"] = shapesJson( shapes, page.triangles, page.progress, content );
 	addOverlays( page, content );
-	content.json["motion"] = motionJson( page );
+	content.json["motion"] = motionJson( page, page.motion, page.source );
+	for ( const NamedMotion& one : page.more )
+	{
+		content.json["more"].push_back( motionJson( page, one.motion, one.name ) );
+	}
 	if ( page.live )
 	{
 		addEngine( page, shapes, content );

@@ -13,6 +13,13 @@
 namespace leeway::view
 {
 
+/// One of several motions of a page.
+struct NamedMotion
+{
+	std::string name; ///< as the page's choice has it
+	ViewMotion motion;
+};
+
 struct PageInput
 {
 	const io::RobotModel& robot;
@@ -28,6 +35,8 @@ struct PageInput
 	std::string robot_file = {}, scene_file = {}; ///< as the page names them
 	std::vector<std::string> notes = {};          ///< sentences that the page repeats
 	ProgressFunction progress = {};               ///< may be empty
+	/// Motions of the same group beside `motion`, to compare with; of the same unit.
+	std::vector<NamedMotion> more = {};
 };
 
 struct PageContent

@@ -173,6 +173,30 @@ const tests = {
 		});
 	},
 
+	async SeveralPathsAreComparedInOnePage() {
+		const path = (name, pitch) => write(name, `joint_names: [yaw, pitch]\npoints:\n  - positions: [-1.2, ${pitch}]\n  - positions: [1.2, ${pitch}]\n`);
+		turningPage(); // writes the robot and its desk
+		path("low.yaml", 0.4);
+		path("high.yaml", -0.6);
+		leeway(["view", "--robot", "turning.urdf", "--scene", "turning.yaml", "--path", "low.yaml", "--path", "high.yaml", "--out", "both.html"]);
+		await withPage(file("both.html"), {}, async (tab) => {
+			assert.deepEqual(await tab.value(`[...document.querySelectorAll("#which option")].map((o) => o.textContent)`), ["low.yaml", "high.yaml"]);
+			const rows = await tab.value(`[...document.querySelectorAll("#compare tr")].slice(1).map((r) => [...r.cells].map((c) => c.textContent))`);
+			assert.deepEqual(rows.map((r) => [r[0], r[1]]), [["low.yaml", "2.400"], ["high.yaml", "2.400"]]);
+			assert.notEqual(rows[0][2], rows[1][2], "each has its own smallest clearance");
+			assert.equal(await tab.value(`document.querySelectorAll("#chart .other").length`), 1, "the other one is pale in the chart");
+			const least = () => tab.value(`document.querySelector("#least .value").textContent`);
+			assert.equal(await least(), rows[0][2]);
+			await tab.value(`(() => { const w = document.getElementById("which"); w.value = "1"; w.dispatchEvent(new Event("change")); })()`);
+			assert.equal(await least(), rows[1][2]);
+			assert.deepEqual(await tab.value("leeway.steps[0].q"), [-1.2, -0.6]);
+			assert.deepEqual((await tab.value("leeway.groupState()")).map((v) => Number(v.toFixed(9))), [-1.2, -0.6], "the robot stands on the chosen path");
+		});
+		await withPage(turningPage(), {}, async (tab) => {
+			assert.ok(await tab.value(`document.getElementById("which").hidden && document.getElementById("compare").hidden`), "one motion needs no choice");
+		});
+	},
+
 	async TheNearestPartIsMarkedInTheChartAndAlongThePath() {
 		await withPage(turningPage(), {}, async (tab) => {
 			const part = await tab.value(`(() => { const r = document.querySelector("#chart .nearest"), x = (n) => Number(r.getAttribute(n)), c = leeway.chart;

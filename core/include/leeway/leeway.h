@@ -6,6 +6,7 @@
 #include "leeway/base.h"
 #include "leeway/blob.h"
 #include "leeway/checker.h"
+#include "leeway/clock.h"
 #include "leeway/depth.h"
 #include "leeway/detail.h"
 #include "leeway/distance.h"

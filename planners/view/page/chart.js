@@ -24,9 +24,8 @@ function tick(span) {
 export class Chart {
 	constructor(svg, model, go) {
 		this.svg = svg;
-		this.motion = model.motion;
 		this.min_d = model.min_d;
-		this.series = ["environment", "self"].map((name) => ({ name, values: this.motion.steps.map((step) => stated(clearanceOf((step.others ?? step)[name]))) }));
+		this.show(model.motion, []);
 		const drag = (event) => {
 			const x = (event.clientX - svg.getBoundingClientRect().left - LEFT) / (this.width - LEFT - RIGHT);
 			const [first, last] = this.ends();
@@ -39,8 +38,22 @@ export class Chart {
 		svg.addEventListener("pointermove", (event) => event.buttons > 0 && drag(event));
 	}
 
+	/// @param others motions whose least clearances are drawn pale
+	show(motion, others) {
+		const of = (one, name) => one.steps.map((step) => stated(clearanceOf((step.others ?? step)[name])));
+		this.motion = motion;
+		this.series = ["environment", "self"].map((name) => ({ name, values: of(motion, name) }));
+		this.others = others.map((one) => {
+			const [environment, self] = ["environment", "self"].map((name) => of(one, name));
+			return one.steps.map((step, i) => ({ at: step.at, value: Math.min(environment[i] ?? Infinity, self[i] ?? Infinity) })).filter((p) => Number.isFinite(p.value));
+		});
+		this.at = undefined;
+	}
+
+	/// Times of several motions share one axis.
 	ends() {
-		return [this.motion.steps[0].at, this.motion.steps.at(-1).at];
+		const last = this.motion.unit === "seconds" ? Math.max(...this.others.flat().map((p) => p.at), this.motion.steps.at(-1).at) : this.motion.steps.at(-1).at;
+		return [this.motion.steps[0].at, last];
 	}
 
 	x(at) {
@@ -57,11 +70,14 @@ export class Chart {
 		this.height = this.svg.clientHeight || 150;
 		this.svg.replaceChildren();
 		this.svg.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
-		const finite = this.series.flatMap((series) => series.values).filter((value) => Number.isFinite(value));
+		const finite = [...this.series.flatMap((series) => series.values), ...this.others.flat().map((p) => p.value)].filter((value) => Number.isFinite(value));
 		this.low = Math.min(0, ...finite);
 		this.high = Math.max(1e-3, this.min_d * 1.2, ...finite) * 1.05;
 		this.nearest();
 		this.axes();
+		for (const other of this.others) {
+			node(this.svg, "polyline", { class: "other", points: other.map((p) => `${this.x(p.at).toFixed(1)},${this.y(p.value).toFixed(1)}`).join(" ") });
+		}
 		for (const { name, values } of this.series) {
 			const points = values.map((value, i) => (Number.isFinite(value) ? `${this.x(this.motion.steps[i].at).toFixed(1)},${this.y(value).toFixed(1)}` : null));
 			if (points.some((point) => point !== null)) {

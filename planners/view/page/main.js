@@ -13,9 +13,15 @@ import { clearanceOf, element, length, place, stated, statement } from "./text.j
 const $ = (id) => document.getElementById(id), SECONDS_OF_PLAY = 8; // of a motion without times
 const UNKNOWN = { environment: null, self: null, touching: [] };
 
+/// The smaller clearance of a step, of the pairs that are not set apart.
+function leastOf(step) {
+	return ["environment", "self"].map((kind) => clearanceOf((step.others ?? step)[kind])).filter((c) => c !== null).sort((a, b) => stated(a) - stated(b))[0];
+}
+
 class Page {
 	constructor(model, bytes) {
 		this.model = model;
+		this.motions = [model.motion, ...(model.more ?? [])];
 		this.steps = model.motion.steps;
 		this.q = this.full(this.steps[0].q);
 		this.engine = null;
@@ -150,17 +156,25 @@ class Page {
 		if (this.steps.length < 2) {
 			return;
 		}
-		const { motion } = this.model, least = this.steps[motion.least];
 		$("motion").hidden = false;
-		$("motion-title").textContent = motion.unit === "state" ? `${this.steps.length} states` : motion.unit === "seconds" ? "Trajectory" : "Path";
-		Object.assign($("time"), { min: this.steps[0].at, max: this.steps.at(-1).at, step: motion.unit === "state" ? 1 : "any" });
 		$("time").addEventListener("input", () => this.go(Number($("time").value)));
 		$("play").addEventListener("click", () => this.play());
-		const nearest = ["environment", "self"].map((kind) => clearanceOf((least.others ?? least)[kind])).filter((c) => c !== null).sort((a, b) => stated(a) - stated(b))[0];
-		$("least").append(element("span", ["Smallest clearance", describeApart(this.model, motion.apart)].filter((t) => t !== "").join(", "), { class: "pair" }), element("span", nearest === undefined ? "–" : statement(nearest), { class: "value" }),
+		$("least").addEventListener("click", () => this.go(this.steps[this.model.motion.least].at));
+		this.chart = new Chart($("chart"), this.model, (at) => this.go(at));
+		this.makeChoice();
+		this.showMotion();
+	}
+
+	/// What is said of the chosen motion.
+	showMotion() {
+		const { motion } = this.model, least = this.steps[motion.least];
+		$("motion-title").textContent = motion.unit === "state" ? `${this.steps.length} states` : motion.unit === "seconds" ? "Trajectory" : "Path";
+		Object.assign($("time"), { min: this.steps[0].at, max: this.steps.at(-1).at, step: motion.unit === "state" ? 1 : "any" });
+		const nearest = leastOf(least);
+		$("least").replaceChildren(element("span", ["Smallest clearance", describeApart(this.model, motion.apart)].filter((t) => t !== "").join(", "), { class: "pair" }), element("span", nearest === undefined ? "–" : statement(nearest), { class: "value" }),
 			element("span", `at ${place(least.at, motion.unit)}`, { class: "kind" }));
 		showApart(this.model, $("apart"));
-		$("least").addEventListener("click", () => this.go(least.at));
+		$("pair-list").replaceChildren();
 		for (const pair of motion.pairs) {
 			const kind = pair.self ? "self" : "environment", row = element("button", "", { type: "button", class: "row" });
 			row.append(element("span", pairNames(this.model, kind, pair.a, pair.b), { class: "pair" }), element("span", length(pair.upper), { class: "value" }),
@@ -171,7 +185,43 @@ class Page {
 			});
 			$("pair-list").append(row);
 		}
-		this.chart = new Chart($("chart"), this.model, (at) => this.go(at));
+		this.chart.show(motion, this.motions.filter((other) => other !== motion));
+		this.chart.draw();
+	}
+
+	/// Several motions: a choice, and a row for each.
+	makeChoice() {
+		if (this.motions.length < 2) {
+			return;
+		}
+		$("which").hidden = $("compare").hidden = false;
+		const head = element("tr");
+		head.append(...["Motion", "length", "least"].map((name) => element("th", name)));
+		$("compare").append(head);
+		this.motions.forEach((motion, i) => {
+			const name = motion.source.split("/").at(-1), nearest = leastOf(motion.steps[motion.least]), row = element("tr");
+			$("which").append(element("option", name, { value: i }));
+			row.append(element("td", name), element("td", motion.length.toFixed(3)), element("td", nearest === undefined ? "–" : statement(nearest)));
+			row.addEventListener("click", () => this.chooseMotion(i));
+			$("compare").append(row);
+		});
+		$("which").addEventListener("change", () => this.chooseMotion(Number($("which").value)));
+		this.markMotion(0);
+	}
+
+	markMotion(index) {
+		$("which").value = index;
+		[...$("compare").rows].forEach((row, i) => row.toggleAttribute("aria-current", i === index + 1));
+	}
+
+	chooseMotion(index) {
+		this.play(false);
+		this.model.motion = this.motions[index];
+		this.steps = this.model.motion.steps;
+		this.markMotion(index);
+		this.stage.addTrace(makeTrace(this.stage, this.model, (q) => this.full(q)));
+		this.showMotion();
+		this.go(this.steps[0].at);
 	}
 
 	// ---- page

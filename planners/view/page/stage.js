@@ -104,6 +104,9 @@ export class Stage {
 
 	/// The path of the tips and the ghosts. @param made by makeTrace(); null: none
 	addTrace(made) {
+		if (this.motion) {
+			this.scene.remove(this.motion.trace, this.motion.ghosts);
+		}
 		this.motion = made;
 		if (made !== null) {
 			this.scene.add(made.trace, made.ghosts);

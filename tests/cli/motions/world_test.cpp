@@ -130,3 +130,44 @@ TEST_F( CliWorld, AResultReplacesAMotion )
 	EXPECT_TRUE( contains( outcome.err, "swing.yaml" ) ) << outcome.err;
 	EXPECT_TRUE( contains( readFile( path( "swing.yaml" ) ), "joint_names" ) );
 }
+
+TEST_F( CliWorld, APlanIsNotWhatItsTrajectorySays )
+{
+	const Outcome plan = ask( "plan",
+	    { "--goal", "right=shoulder=0.4,elbow=0.2", "--deadline", "9", "--out", path( "motions" ), "--json", "p.json" } );
+	ASSERT_EQ( plan.status, 0 ) << plan.out << plan.err;
+	const nlohmann::json json = nlohmann::json::parse( readFile( path( "p.json" ) ) );
+	EXPECT_EQ( json["outcome"], "solved" );
+	const double arrival = json["arrivals"]["right"];
+	EXPECT_TRUE( arrival > 0 && arrival <= 9 ) << arrival;
+	const nlohmann::json trajectory = nlohmann::json::parse( readFile( path( "motions/right.json" ) ) );
+	const nlohmann::json last = trajectory["joint_trajectory"]["points"].back();
+	EXPECT_EQ( last["time_from_start"], arrival );
+	EXPECT_EQ( last["positions"], ( std::vector<double>{ 0.4, 0.2 } ) );
+	const Outcome audit = ask( "audit", { "--motion", "right=" + path( "motions/right.json" ) } );
+	EXPECT_EQ( audit.status, 0 ) << audit.out << audit.err;
+	// the same arms, each planned beside the other's motion
+	const Outcome both = ask( "plan",
+	    { "--goal", "right=shoulder=0.4", "--goal", "left=shoulder=1.2", "--deadline", "20", "--together", "--seed", "3" } );
+	EXPECT_EQ( both.status, 0 ) << both.out << both.err;
+}
+
+TEST_F( CliWorld, APlanSaysWhatIsMissing )
+{
+	const auto error = [&]( const std::vector<std::string>& more )
+	{
+		const Outcome outcome = ask( "plan", more );
+		EXPECT_EQ( outcome.status, 2 ) << outcome.out;
+		return outcome.err;
+	};
+	EXPECT_TRUE( contains( error( { "--deadline", "9" } ), "--goal: is missing" ) );
+	EXPECT_TRUE( contains( error( { "--goal", "right=shoulder=1" } ), "--deadline: is missing" ) );
+	EXPECT_TRUE( contains( error( { "--goal", "right=wrist=1", "--deadline", "9" } ), "has no joint 'wrist'" ) );
+	EXPECT_TRUE( contains( error( { "--goal", "right=shoulder=x", "--deadline", "9" } ), "is not joint=value" ) );
+	EXPECT_TRUE( contains( error( { "--goal", "box=x=1", "--deadline", "9" } ), "box" ) );
+	EXPECT_TRUE( contains( error( { "--goal", "rihgt=shoulder=1", "--deadline", "9" } ), "rihgt" ) );
+	EXPECT_TRUE( contains( ask( "audit", { "--motion", "rihgt=swing.yaml" } ).err, "is no robot of the world" ) );
+	const Outcome late = ask( "plan", { "--goal", "right=shoulder=1", "--deadline", "0.01" } );
+	EXPECT_EQ( late.status, 1 );
+	EXPECT_TRUE( contains( late.out, "full speed" ) ) << late.out;
+}
