@@ -250,7 +250,7 @@ edge: edges.csv has the columns start, end (seconds), from:JOINT and to:JOINT, t
 straight from number to number in place of their own motions, and all else moves as the file says; their joints without columns stay
 where they are at the start. out.csv: index,verdict,time,proved_until,clearance,pair,by_unknown_motion,states
 
-Joints of robot left are called left/JOINT. Format of the world file: ompl_bridge/docs/worlds.md. Every command reads a world file as --robot, too:
+Joints of robot left are called left/JOINT. Format of the world file: ompl_bridge/docs/worlds.md. Every command reads a world file as its robot, too:
 without times, and without the scene that it names.)" };
 
 const HelpText view_help = {
