@@ -261,7 +261,7 @@ view: robots and objects on one timeline, with the proof of `audit`.
 
 --motion ROBOT=FILE takes the place of the robot's motion in all questions.
 
-Joints of robot left are called left/JOINT. Format of the world file: ompl_bridge/docs/worlds.md. Every command reads a world file as --robot, too:
+Joints of robot left are called left/JOINT. Format of the world file: ompl_bridge/docs/worlds.md. Every command reads a world file as its robot, too:
 without times, and without the scene that it names.)" };
 
 const HelpText view_help = {

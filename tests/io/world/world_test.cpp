@@ -285,10 +285,14 @@ TEST_F( WorldFileTest, AFloatingBaseHasATolerance )
 {
 	write( "fly.srdf",
 	    "<robot name='arm'><virtual_joint name='fly' type='floating' parent_frame='air' child_link='base'/></robot>" );
-	expectError( [&] { load( "robots: [{name: a, robot: arm.urdf, srdf: fly.srdf, tolerance: 0.1}]\n" ); },
-	    { "robots[0] a.tolerance", "quaternion" } );
-	const WorldModel world = load( "robots: [{name: a, robot: arm.urdf, srdf: fly.srdf, tolerance: {fly/trans_x: 0.1}}]\n" );
+	const std::string robot = "robots: [{name: a, robot: arm.urdf, srdf: fly.srdf, tolerance: ";
+	expectError( [&] { load( robot + "{fly/rot_x: 0.1}}]\n" ); }, { "robots[0] a.tolerance", "fly/rot_x", "quaternion" } );
+	const WorldModel world = load( robot + "{fly/trans_x: 0.1}}]\n" );
 	EXPECT_EQ( world.parts.at( 0 ).state, ( std::vector<double>{ 0, 0, 0, 0, 0, 0, 1, 0, 0 } ) );
+	EXPECT_EQ( world.parts.at( 0 ).tolerance.at( 0 ), 0.1 );
+	const WorldModel all = load( robot + "0.1}]\n" );
+	EXPECT_EQ( all.parts.at( 0 ).tolerance, ( std::vector<double>{ 0, 0, 0, 0, 0, 0, 0, 0.1, 0.1 } ) );
+	EXPECT_NOTICE( all.robot.report.notices, "several variables: fly" );
 }
 
 TEST_F( WorldFileTest, AnotherFormatIsTakenForAWorld )

@@ -249,29 +249,47 @@ void WorldReader::readState( const YamlNode& state, const Known& known, WorldPar
 	}
 }
 
-/// A number for all variables, or a map.
+/// A number for all joints of one variable, or a map.
 void WorldReader::readTolerance( const YamlNode& tolerance, const Known& known, WorldPart& part ) const
 {
 	part.tolerance.assign( known.variables.size(), 0.0 );
 	const bool all = tolerance.isScalar();
 	std::map<std::string, double> values = all ? std::map<std::string, double>() : tolerance.numberMap();
-	const double of_all = all ? readNotNegative( tolerance, 0 ) : 0;
-	for ( std::size_t i = 0; all && i < known.variables.size(); ++i )
+	std::vector<std::string> bases;
+	std::set<std::string> quaternions;
+	for ( const JointModel& joint : known.model.joints )
 	{
-		values[known.variables[i]] = of_all;
+		const std::vector<std::string> names = variableNames( joint );
+		const bool single = names.size() == 1;
+		if ( all && single )
+		{
+			values[names[0]] = tolerance.number();
+		}
+		if ( names.size() > 1 )
+		{
+			bases.push_back( joint.name );
+		}
+		for ( std::size_t i = 3; joint.type == LW_JOINT_FLOATING && i < names.size(); ++i )
+		{
+			quaternions.insert( names[i] );
+		}
 	}
 	for ( const auto& [name, value] : values )
 	{
-		const std::size_t i = variableOf( tolerance, known, name );
-		const bool turns = name.find( "/rot_" ) != std::string::npos;
-		if ( value < 0 || ( turns && value > 0 ) )
+		const bool turns = quaternions.count( name ) != 0 && value != 0;
+		if ( value < 0 || turns )
 		{
 			tolerance.fail( fmt::format( turns ? "{} is a number of a quaternion, which has no tolerance"
 			                                   : "the tolerance of {} is negative",
 			                    name ),
-			    turns ? "give {joint: value} for the other joints" : "give radians or metres, 0 or more" );
+			    turns ? "give those of other joints" : "give radians or metres, 0 or more" );
 		}
-		part.tolerance[i] = value;
+		part.tolerance[variableOf( tolerance, known, name )] = value;
+	}
+	if ( all && !bases.empty() )
+	{
+		tolerance.notice(
+		    fmt::format( "is not that of joints of several variables: {}; give them in a map", joinNames( bases ) ) );
 	}
 }
 
