@@ -6,9 +6,9 @@
 
 For each state q and a random direction v of length 1, with slope s = derivatives @ v and steps h = 1e-3 of the row's distance:
 
-  above     clearance( q + h v ) <= clearance( q ) + s h + curve: what every subgradient of a least distance keeps, ridges or not
-  slope     s and the differences at h and 2 h, extrapolated, agree to 1e-6 of the fastest point's speed, and to what intervals of width
-            w leave open at distance d: 3 w / h of the differences, sqrt( 2 w / d ) of the direction (core/docs/near.md)
+  above     clearance( q + h v ) <= clearance( q ) + s h + curve: a property of every subgradient of a least distance, ridges or not
+  slope     s and the differences at h and 2 h, extrapolated, agree to 1e-6 of the fastest point's speed, and to the error of intervals of
+            width w at distance d: 3 w / h of the differences, sqrt( 2 w / d ) of the direction (core/docs/near.md)
   bend      they do not, but s changes by more between q - 2 h v and q + 2 h v: the nearest feature changes there
 
 Rows of two states are the same if their bodies are. Exit status 1: a row keeps neither `slope` nor `bend`, or not `above`."""

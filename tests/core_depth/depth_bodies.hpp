@@ -167,3 +167,20 @@ inline lw_clearance distanceOf(
 	EXPECT_EQ( LW_OK, lw_shape_distance( a.get(), &pose_a, b.get(), &pose_b, nullptr, query, &out ) );
 	return out;
 }
+
+/// The shape, written to a blob and read again.
+inline ShapePtr throughABlob( const ShapePtr& shape )
+{
+	const lw_shape* shapes[] = { shape.get() };
+	lw_blob_def def = lw_blob_def_default();
+	def.shapes = shapes;
+	def.shape_count = 1;
+	void* bytes = nullptr;
+	std::size_t size = 0;
+	EXPECT_EQ( LW_OK, lw_blob_write( &def, nullptr, nullptr, &bytes, &size ) );
+	lw_shape* read = nullptr;
+	lw_diag diag = {};
+	EXPECT_EQ( LW_OK, lw_blob_read_shapes( bytes, size, def.key, nullptr, &diag, &read, 1 ) ) << diag.message;
+	lw_blob_free( nullptr, bytes, size );
+	return ShapePtr( read );
+}

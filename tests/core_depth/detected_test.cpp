@@ -150,22 +150,12 @@ TEST( DetectedSolids, ABlobForgetsTheInside )
 {
 	SeededRng rng( 13 );
 	const QueryPtr query = makeQuery();
+	const ShapePtr ball = makePrimitive( LW_SHAPE_SPHERE, 0.2 );
 	for ( int i = 0; i < 20; ++i )
 	{
 		Corners body = randomClosed( rng );
 		body.triangles.resize( body.triangles.size() - ( i % 4 == 0 ? 3 : 0 ) );
-		const ShapePtr a = meshOf( body, false ), ball = makePrimitive( LW_SHAPE_SPHERE, 0.2 );
-		const lw_shape* shapes[] = { a.get() };
-		lw_blob_def def = lw_blob_def_default();
-		def.shapes = shapes;
-		def.shape_count = 1;
-		void* bytes = nullptr;
-		std::size_t size = 0;
-		ASSERT_EQ( LW_OK, lw_blob_write( &def, nullptr, nullptr, &bytes, &size ) );
-		lw_shape* read = nullptr;
-		ASSERT_EQ( LW_OK, lw_blob_read_shapes( bytes, size, def.key, nullptr, nullptr, &read, 1 ) );
-		lw_blob_free( nullptr, bytes, size );
-		const ShapePtr b( read );
+		const ShapePtr a = meshOf( body, false ), b = throughABlob( a );
 		const lw_transform pose = randomPose( rng, 0.2 );
 		const lw_depth before = depthOf( a, pose, ball, at( 0, 0, 0 ), query.get() ),
 		               after = depthOf( b, pose, ball, at( 0, 0, 0 ), query.get() );

@@ -132,6 +132,20 @@ TEST( RoundedShapes, OtherShapesGetRoundWithoutAWord )
 	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_shape_create_rounded( box.get(), 0.1, nullptr, nullptr, nullptr ) );
 }
 
+TEST( RoundedShapes, ABlobRefusesOrChangesThem )
+{
+	SeededRng rng( 17 );
+	for ( int kind = 0; kind < 5; ++kind )
+	{
+		const ShapePtr before = rounded( randomConvex( rng, kind ), 0.02 ), after = throughABlob( before );
+		const lw_shape_info info = lw_shape_get_info( after.get() );
+		EXPECT_EQ( kind != 4, info.solid );
+		EXPECT_EQ( lw_shape_get_info( before.get() ).excess, info.excess );
+		const lw_digest a = lw_shape_digest( before.get() ), b = lw_shape_digest( after.get() );
+		EXPECT_EQ( a.word[0], b.word[0] );
+	}
+}
+
 TEST( RoundedShapes, MemoryThatIsMissingLeaks )
 {
 	const ShapePtr shapes[] = { makePrimitive( LW_SHAPE_CYLINDER, 0.1, 1 ), meshOf( prism( 5, { 1, 1, 1 }, 0.5 ), true ) };

@@ -19,7 +19,7 @@ typedef enum lw_depth_kind
 /// lower <= depth <= upper, metres; points and normal in the world frame.
 ///
 /// Rounding: for spheres, capsules, boxes and convex meshes of each other upper - lower is at most 1e-13 S, where S is the size of both bodies,
-/// with few exceptions; cylinders and cones add what `steps` leave open, mostly less than 1e-9 S. Proofs: core/docs/depth.md.
+/// with few exceptions; cylinders and cones add the error that is left after `steps`, mostly less than 1e-9 S. Proofs: core/docs/depth.md.
 typedef struct lw_depth
 {
 	double lower;
