@@ -146,16 +146,6 @@ ViewMotion motionOf(
 	return motionOfStates( problem, { io::startState( problem ) }, {}, flags, options.common.robot );
 }
 
-/// Motions that are compared show all of their pairs: what one sets apart may be near in another.
-void setNothingApart( ViewMotion& motion )
-{
-	motion.apart.clear();
-	for ( ViewStep& step : motion.steps )
-	{
-		step.others = step.result;
-	}
-}
-
 /// The other paths, by their files.
 std::vector<NamedMotion> othersOf(
     const Source& source, const ViewOptions& options, const io::Problem& problem, Notices& notices )

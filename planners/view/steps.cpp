@@ -230,4 +230,13 @@ std::size_t leastStep( const ViewMotion& motion )
 	return best;
 }
 
+void setNothingApart( ViewMotion& motion )
+{
+	motion.apart.clear();
+	for ( ViewStep& step : motion.steps )
+	{
+		step.others = step.result;
+	}
+}
+
 } // namespace leeway::view

@@ -39,6 +39,9 @@ struct ViewMotion
 	std::vector<ApartPair> apart = {}; ///< pairs that keep their distance; none of a list of states
 };
 
+/// Puts back what was set apart. Motions that are compared show all of their pairs: what one sets apart may be near in another.
+void setNothingApart( ViewMotion& motion );
+
 /// How states are measured.
 struct Measuring
 {

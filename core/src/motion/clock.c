@@ -18,6 +18,9 @@ enum
 /// Radians or metres: pieces that are farther apart than this jump.
 #define MOST_JUMP 1e-6
 
+/// Share of the slack with which proofs come near to a contact.
+#define CONTACT_SLACK 0.0625
+
 /// Halves of a part have tubes that are smaller by this share at least, or halving is in vain.
 #define LEAST_GAIN 0.05
 
@@ -623,6 +626,7 @@ static void find_first_contact( lwi_timed* w, double resolution )
 	lw_timed_result* out = w->out;
 	double low = out->proved_until, high = out->time, share = 0.5;
 	lw_timed_result contact = *out;
+	w->def.slack *= CONTACT_SLACK;
 	for ( int i = 0; i < MOST_STEPS_TO_CONTACT && high - low > resolution && w->status == LW_OK; ++i )
 	{
 		const double middle = low + share * ( high - low );
@@ -695,6 +699,11 @@ lw_status lw_checker_timed( const lw_checker* checker, lw_query* query, const lw
 		 !is_usable( checker, clock, start, end, w.tolerance ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	for ( uint32_t t = 0; t < clock->track_count; ++t )
+	{
+		w.def.alpha =
+			clock->tracks[t].spread_speed > 0 ? 0 : w.def.alpha; // a share of a large spread would be more than the slack
 	}
 	w.def.want_proved_until = w.def.want_proved_until || def->contact_resolution > 0;
 	out->lower_bound = INFINITY;

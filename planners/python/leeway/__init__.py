@@ -13,8 +13,9 @@ answer. Unusable input raises leeway.Error, which is a ValueError; an error neve
 from ._core import (Checker, CoreError, Error, InputError, Margins, Outcome, Padding, Reach, Robot, Scene, Shape, TimedWorld, Verdict, World,
     check_spheres, depth, distance, pairs)
 from ._core import version as __version__
+from .pages import Page, view
 from .results import Clearances, Depth, DepthKind, Direction, Distance, GoalStates, LinkSpheres, Motions, NearPairs, Plan
 
-__all__ = ["Checker", "Clearances", "CoreError", "Depth", "DepthKind", "Direction", "Distance", "Error", "GoalStates", "InputError", "LinkSpheres", "Margins", "Motions", "NearPairs", "Outcome",
-    "Padding", "Plan", "Reach", "Robot", "Scene", "Shape", "TimedWorld", "Verdict", "World", "__version__", "check_spheres",
-    "depth", "distance", "pairs"]
+__all__ = ["Checker", "Clearances", "CoreError", "Depth", "DepthKind", "Direction", "Distance", "Error", "GoalStates", "InputError", "LinkSpheres", "Margins", "Motions", "NearPairs", "Outcome", "Padding",
+    "Page", "Plan", "Reach", "Robot", "Scene", "Shape", "TimedWorld", "Verdict", "World", "__version__", "check_spheres",
+    "depth", "distance", "pairs", "view"]

@@ -57,4 +57,5 @@ NB_MODULE( _core, module )
 	bindScenes( module );
 	bindCheckers( module );
 	bindTimedWorlds( module );
+	bindViews( module );
 }
