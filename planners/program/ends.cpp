@@ -206,13 +206,16 @@ public:
 		pair.b = b;
 		const Named named =
 		    self ? nameSelf( m_problem.checker.get(), pair ) : nameEnvironment( m_problem.checker.get(), pair );
+		const double share = double( most->second ) / double( tries );
+		const std::string by_hand = "write joint=value,joint=value, or the name of a group_state";
 		wrong( option,
 		    fmt::format( "{}: {} - {} were too near in {:.0f} % of them", problem, named.first, named.second,
-		        std::floor( 100 * double( most->second ) / double( tries ) ) ),
-		    fmt::format(
-		        "if they may touch, add --allow {}:{}, or an SRDF (`leeway pairs --out S.srdf` writes one); or write "
-		        "joint=value,joint=value",
-		        named.first, named.second ) );
+		        std::floor( 100 * share ) ),
+		    share < 0.5
+		        ? by_hand
+		        : fmt::format(
+		              "if they may touch, add --allow {}:{}, or an SRDF (`leeway pairs --out S.srdf` writes one); or {}",
+		              named.first, named.second, by_hand ) );
 	}
 
 private:
@@ -221,8 +224,8 @@ private:
 };
 
 /// Values of the group's joints, the same for the same seed on every machine: uniform within the limits; joints without limits, and with limits
-/// that are far away, turn once and shift by a metre, and no joint turns more than once. If thousands of states are in contact, nearer to the reference state too. Joints outside
-/// of the group are where input.request starts, or at zero.
+/// that are far away, turn once and shift by a metre, and no joint turns more than once. If thousands of states are in contact, nearer to the
+/// reference state too. Joints outside of the group are where input.request starts, or at zero.
 /// @param option "--goal random", for the error @param seed different for start and goal
 /// @throws io::Error if none of many states is free
 Values randomFreeState( const std::string& option, const Input& input, const std::string& group, std::uint64_t seed )

@@ -30,7 +30,8 @@ def reason(said):
     """The last line, of an error without the name of the file."""
     text = re.split(r"[\r\n]+", said.strip())[-1]
     text = text.removeprefix("leeway: ").removeprefix("error: ")
-    return re.sub(r"^\S+: ", "", text).replace("|", "\\|")[:160]
+    text = re.sub(r"^xacro: \S+ failed", "xacro failed", re.sub(r"^\S+: ", "", text))
+    return text.replace("|", "\\|")[:160]
 
 
 def planned(options, path):
