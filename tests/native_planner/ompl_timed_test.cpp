@@ -86,7 +86,7 @@ TEST( OmplTimed, RrtWaitsAtTheGate )
 	planner.setRange( 3 );
 	planner.setProblemDefinition( problem );
 	planner.setup();
-	ASSERT_TRUE( planner.solve( 60.0 ) && problem->hasExactSolution() );
+	ASSERT_TRUE( static_cast<ob::Planner&>( planner ).solve( 60.0 ) && problem->hasExactSolution() );
 	const auto* path = problem->getSolutionPath()->as<ompl::geometric::PathGeometric>();
 	OwnedTrack own;
 	own.variables = { 0, 1 };
