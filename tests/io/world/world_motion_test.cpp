@@ -302,6 +302,9 @@ TEST_F( WorldMotionTest, AnObjectHasJointsThatItDoesNotNeed )
 	    names(
 	        "{start: 0, end: 1, turn: {axis: [0, 0, 1], point: [1, 0, 0], angle: 1}}, {start: 1, end: 2, turn: {axis: [0, 0, 1], angle: 1}}" ),
 	    ( Names{ "box/turn1", "box/turn2" } ) );
+	const WorldModel back = loadObject( "motion: [{start: 0, end: 1, turn: {axis: [0, 0, 1], angle: 1}}, "
+	                                    "{start: 1, end: 2, turn: {axis: [0, 0, -2], angle: 0.75}}]" );
+	EXPECT_NEAR( valuesAt( back.part( "box" ), 3 ).at( "box/turn1" ), 0.25, 1e-12 ) << "the opposite axis turns back";
 	const WorldModel still = loadObject( "motion: [{start: 0, end: 1, position: [0, 0, 0]}]" );
 	EXPECT_THROW( still.part( "box" ), Error );
 	EXPECT_EQ( poseOf( still.robot, {}, "box" ).t[0], 0 ) << "it is on the robot all the same";
