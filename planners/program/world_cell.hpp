@@ -27,7 +27,7 @@ private:
 	Workbench m_bench;
 };
 
-/// The robot or object that a link belongs to: what stands before the first slash.
+/// The robot or object that a link belongs to: its name up to the first slash.
 std::string ownerOf( const std::string& link );
 
 /// leeway world plan.

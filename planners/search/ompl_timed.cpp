@@ -29,7 +29,7 @@ double timeOf( const ob::State* state )
 	return state->as<ob::CompoundState>()->as<ob::TimeStateSpace::StateType>( 1 )->position;
 }
 
-/// What both validators ask, one thread at a time.
+/// The questions of both validators, one thread at a time.
 struct TimedQuestions
 {
 	TimedQuestions( const Checker& checker, const TimedSettings& s, const lw_clock& others )

@@ -39,7 +39,7 @@ struct ViewMotion
 	std::vector<ApartPair> apart = {}; ///< pairs that keep their distance; none of a list of states
 };
 
-/// Puts back what was set apart. Motions that are compared show all of their pairs: what one sets apart may be near in another.
+/// Puts all pairs back that were set apart. Motions that are compared show all of them: a pair that keeps its distance in one may come near in another.
 void setNothingApart( ViewMotion& motion );
 
 /// How states are measured.

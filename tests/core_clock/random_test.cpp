@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Random cells of one to four robots and a thing of unknown motion: what is FREE on the clock is attacked by lags, deviations and spreads.
+// Random cells of one to four robots and a thing of unknown motion: FREE on the clock is attacked by lags, deviations and spreads.
 #include "clock_world.hpp"
 #include "random_world.hpp"
 #include "sanitized.hpp"
@@ -253,7 +253,7 @@ void judge( const Cell& cell, const ClockBench& bench, SeededRng& rng, Tally& ta
 	def.edge.min_d = rng.integer( 0, 1 ) ? 0 : 1e-3;
 	def.edge.want_proved_until = rng.integer( 0, 1 );
 	def.contact_resolution = rng.integer( 0, 1 ) ? 1e-3 : 0;
-	// wider and wider, and what was proved last is attacked: it leaves the least room
+	// wider and wider; the last proof is attacked: it leaves the least room
 	OwnedClock proved;
 	double bound = 0;
 	for ( int i = 0; i < 12; ++i )

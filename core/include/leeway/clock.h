@@ -15,7 +15,7 @@ typedef struct lw_timed_piece
 	const double* points; ///< [degree + 1][variable_count of the track], finite
 } lw_timed_piece;
 
-/// What some variables of a group do over time, such as those of one of several robots, or of a door. Before its first piece, between
+/// The motion of some variables of a group over time, such as those of one of several robots, or of a door. Before its first piece, between
 /// pieces, and after its last one a track rests at the next or last value.
 typedef struct lw_track
 {
@@ -25,7 +25,7 @@ typedef struct lw_track
 	uint32_t piece_count;         ///< >= 1
 	/// Seconds, >= 0: the controller may be early or late by up to this, at each time differently.
 	double lag;
-	/// What the controller may deviate at all times beyond that. [variable_count] radians and metres, >= 0, 0 for quaternions. NULL: 0.
+	/// Deviation of the controller at all times, beyond the lag. [variable_count] radians and metres, >= 0, 0 for quaternions. NULL: 0.
 	const double* tolerance;
 	/// Metres per second, >= 0: how fast the bodies that the track moves leave its places in an unknown way, such as a person of
 	/// whom only the first place is known. At t each of their points may be spread_speed (t - spread_start) from its place on the

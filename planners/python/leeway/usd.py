@@ -305,7 +305,7 @@ class _Stage:
         return math.pi / 180 if prim.GetTypeName() == "PhysicsRevoluteJoint" else self.units
 
     def mimic(self, joint, names):
-        """What a NewtonMimicAPI says: value = coef0 + coef1 * value of the other, in units of the stage. names: of joints by path."""
+        """The rule of a NewtonMimicAPI: value = coef0 + coef1 * value of the other, in units of the stage. names: of joints by path."""
         if "NewtonMimicAPI" not in self.schemas(joint.prim):
             return ""
         path, relation = joint.prim.GetPath(), joint.prim.GetRelationship("newton:mimicJoint")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// World files: robots side by side in one robot, and what is wrong with a file.
+// World files: robots side by side in one robot, and the faults of a file.
 #include "world_files.hpp"
 
 #include "seeded_rng.hpp"

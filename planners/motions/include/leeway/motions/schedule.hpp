@@ -14,7 +14,7 @@
 namespace leeway::motions
 {
 
-/// What each part of a world does over time.
+/// The motions of all parts of a world over time.
 ///
 /// A part without a motion stands at its state. Before its motion a part stands at the motion's first point, wherever its state is, and after it at
 /// the last. Joints that a trajectory does not name keep their values. Trajectories of one file are driven one after the other. Points are

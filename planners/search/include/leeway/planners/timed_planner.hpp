@@ -34,7 +34,7 @@ struct TimedPath
 struct TimedSettings
 {
 	lw_timed_def timed = lw_timed_def_default(); ///< min_d, slack, flags
-	/// What is planned: indices into the checker's group. All others are on tracks of `others`, or rest.
+	/// The planned variables: indices into the checker's group. All others are on tracks of `others`, or rest.
 	std::vector<std::uint32_t> variables;
 	std::vector<double> velocity;  ///< [variables] limits, > 0
 	std::vector<double> tolerance; ///< [variables] of the controller, or empty: 0
@@ -66,7 +66,7 @@ public:
 	void addGoal( const double* q );
 
 	/// Searches once; a second call begins anew. NO_START: the start is not free at start_time. NO_GOAL: no goal can be reached by the
-	/// deadline at full speed, or can rest there: endProblem() says which.
+	/// deadline at full speed, or can rest there: endProblem() names it.
 	/// @param query made for the checker
 	Outcome solve( lw_query* query, const Stop& stop = {} );
 
