@@ -545,7 +545,7 @@ WorldModel readWorld( const std::string& file, std::string content, const LoadOp
 	refuseUsd( file, content );
 	if ( beginsAsXml( content ) )
 	{
-		refuseXml( file, std::move( content ) );
+		refuseXml( file, content );
 	}
 	return WorldReader( file, std::move( content ), options, resting ).read();
 }
