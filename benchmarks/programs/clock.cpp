@@ -277,6 +277,12 @@ private:
 			{
 				const lw_variable_info info =
 				    lw_robot_variable( hall.problem().robot.get(), hall.problem().variables[hall.variables()[t][i]] );
+				const lw_joint_type type = lw_robot_joint_type( hall.problem().robot.get(), info.joint );
+				if ( type == LW_JOINT_FLOATING || type == LW_JOINT_PLANAR ) // of a base that stands
+				{
+					points[i] = part.state[i];
+					continue;
+				}
 				const double low = std::max( info.lower, -M_PI ), high = std::min( info.upper, M_PI );
 				points[i] = low + ( high - low ) * uniform( m_random );
 				points[n + i] = 2 * uniform( m_random ) - 1;
