@@ -236,9 +236,7 @@ fixes it.)" };
 const HelpText world_help = {
     R"(Checks several robots and moving objects of a world file: robots against robots, themselves, objects and the scene.
 
-Examples: leeway world check --world cell.yaml --time 2.5
-          leeway world audit --world cell.yaml --min-d 0.01 --first-contact
-          leeway world edge --world cell.yaml --edges edges.csv --out out.csv
+Examples: leeway world audit --world cell.yaml --min-d 0.01 --first-contact
           leeway world plan --world cell.yaml --goal left=ready --goal right=home --deadline 8 --out motions
           leeway world view --world cell.yaml --motion left=motions/left.json --out page.html
 

@@ -344,9 +344,10 @@ CLI::App* addWorld( CLI::App& app, WorldOptions& options )
 	command->add_option( "--time", options.time, "check: seconds on the clock (default 0)" )->type_name( "T" );
 	command->add_option( "--from", options.from, "audit, plan, view: seconds at which it begins (default 0)" )
 	    ->type_name( "T" );
-	command
-	    ->add_option( "--to", options.to, "audit and view: seconds at which it ends (default: when the last motion ends)" )
-	    ->type_name( "T" );
+	rare( command
+	          ->add_option(
+	              "--to", options.to, "audit and view: seconds at which it ends (default: when the last motion ends)" )
+	          ->type_name( "T" ) );
 	command->add_flag( "--first-contact", options.first_contact, "audit: when is the first contact, to 1 ms?" );
 	command->add_option( "--edges", options.edges, "edge: table of timed motions" )->type_name( "edges.csv" );
 	command
@@ -359,13 +360,12 @@ CLI::App* addWorld( CLI::App& app, WorldOptions& options )
 	    ->type_name( "ROBOT=STATE" );
 	command->add_option( "--deadline", options.deadline, "plan: seconds on the clock by which the goals are reached" )
 	    ->type_name( "T" );
-	command->add_flag( "--together", options.together, "plan: one search for all robots, not one after the other" );
-	command->add_option( "--seconds", options.search_seconds, "plan: time of each search (default 10)" )->type_name( "S" );
+	rare( command->add_flag( "--together", options.together, "plan: one search for all robots, not one after the other" ) );
+	rare( command->add_option( "--seconds", options.search_seconds, "plan: time of each search (default 10)" )
+	          ->type_name( "S" ) );
 	rare( command->add_option( "--seed", options.seed, "plan: seed of the random numbers (default 1)" )->type_name( "N" ) );
 	rare( command->add_option( "--joint-limits", options.joint_limits, "plan: velocities" )->type_name( "FILE" ) );
-	command
-	    ->add_option( "--out", options.out,
-	        "edge: table of answers; without it, standard output. plan: folder of the trajectories. view: the page" )
+	command->add_option( "--out", options.out, "edge: table of answers; plan: folder of trajectories; view: the page" )
 	    ->type_name( "OUT" );
 	rare( command
 	          ->add_option( "--slack", options.slack,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// leeway view: a page with robot, scene, motion and clearances.
+// leeway view: a page with robot, scene, motion and clearances; and pages of other results.
 #include "program/page_file.hpp"
 #include "program/states.hpp"
 
@@ -11,6 +11,36 @@
 
 namespace leeway::cli
 {
+
+// ---- pages of results -------------------------------------------------------------------------------------------------
+
+ViewFile::ViewFile( const std::string& path )
+{
+	if ( !path.empty() )
+	{
+		requireView( "--view" );
+		m_file.emplace( "--view", path );
+	}
+}
+
+void ViewFile::write( PageInput page, std::vector<OutputFile*>& files )
+{
+	Progress progress( "writing the page" );
+	page.progress = shownBy( progress );
+	m_file->text = pageHtml( page );
+	files.push_back( &*m_file );
+}
+
+PageInput pageOf( const Input& input, const io::Problem& problem, ViewMotion motion, lw_check_flags flags )
+{
+	PageInput page = { input.robot, input.scene ? &*input.scene : nullptr, problem, std::move( motion ), flags };
+	page.robot_file = input.robot_file;
+	page.scene_file = input.scene_file;
+	return page;
+}
+
+// ---- leeway view -----------------------------------------------------------------------------------------------------
+
 namespace
 {
 

@@ -140,6 +140,48 @@ std::string trajectoryText( const io::WorldPart& part, const planners::TimedPath
 	return jsonText( json );
 }
 
+/// Trajectories in the folder of --out, and the options that name them.
+struct Results
+{
+	std::vector<std::unique_ptr<OutputFile>> files;
+	std::string again;
+};
+
+Results trajectoriesOf( const WorldOptions& options, const Cell& cell, const std::vector<planners::TimedRobot>& robots,
+    const planners::SchedulePlan& plan )
+{
+	Results out;
+	std::filesystem::create_directories( options.out );
+	for ( std::size_t r = 0; r < robots.size(); ++r )
+	{
+		const std::string file = ( std::filesystem::path( options.out ) / ( robots[r].name + ".json" ) ).string();
+		out.files.push_back( std::make_unique<OutputFile>( "--out", file ) );
+		out.files.back()->text = trajectoryText( cell.world().part( robots[r].name ), plan.paths[r] );
+		out.again += fmt::format( " --motion {}={}", robots[r].name, file );
+	}
+	return out;
+}
+
+Json reportOf( const WorldOptions& options, const std::vector<planners::TimedRobot>& robots,
+    const planners::SchedulePlan& plan, const Notices& notices )
+{
+	const bool solved = plan.outcome == planners::Outcome::SOLVED;
+	Json json;
+	json["world"] = options.common.cell;
+	json["outcome"] = planners::name( plan.outcome );
+	json["problem"] = plan.problem;
+	for ( std::size_t r = 0; solved && r < robots.size(); ++r )
+	{
+		json["arrivals"][robots[r].name] = plan.paths[r].times.back();
+	}
+	json["lower_bound"] = solved ? plan.proof.lower_bound : 0;
+	json["proved_until"] = solved ? plan.proof.time : options.from;
+	json["edges"] = plan.statistics.edges;
+	json["samples"] = plan.statistics.samples;
+	json["notices"] = notices.all();
+	return json;
+}
+
 std::string describe( const planners::SchedulePlan& plan, const std::vector<planners::TimedRobot>& robots )
 {
 	std::string text;
@@ -216,41 +258,26 @@ int runWorldPlan( const WorldOptions& options )
 		}
 	}
 	const bool solved = plan.outcome == planners::Outcome::SOLVED;
-	std::vector<std::unique_ptr<OutputFile>> trajectories;
-	std::vector<OutputFile*> files;
-	std::string again;
-	for ( std::size_t r = 0; solved && !options.out.empty() && r < robots.size(); ++r )
+	Results results;
+	if ( solved && !options.out.empty() )
 	{
-		std::filesystem::create_directories( options.out );
-		const std::string file = ( std::filesystem::path( options.out ) / ( robots[r].name + ".json" ) ).string();
-		trajectories.push_back( std::make_unique<OutputFile>( "--out", file ) );
-		trajectories.back()->text = trajectoryText( cell.world().part( robots[r].name ), plan.paths[r] );
-		files.push_back( trajectories.back().get() );
-		again += fmt::format( " --motion {}={}", robots[r].name, file );
+		results = trajectoriesOf( options, cell, robots, plan );
+	}
+	std::vector<OutputFile*> files;
+	for ( const std::unique_ptr<OutputFile>& file : results.files )
+	{
+		files.push_back( file.get() );
 	}
 	if ( !options.json.empty() )
 	{
-		Json json;
-		json["world"] = options.common.cell;
-		json["outcome"] = planners::name( plan.outcome );
-		json["problem"] = plan.problem;
-		for ( std::size_t r = 0; solved && r < robots.size(); ++r )
-		{
-			json["arrivals"][robots[r].name] = plan.paths[r].times.back();
-		}
-		json["lower_bound"] = solved ? plan.proof.lower_bound : 0;
-		json["proved_until"] = solved ? plan.proof.time : options.from;
-		json["edges"] = plan.statistics.edges;
-		json["samples"] = plan.statistics.samples;
-		json["notices"] = notices.all();
-		json_file.text = jsonText( json );
+		json_file.text = jsonText( reportOf( options, robots, plan, notices ) );
 		files.push_back( &json_file );
 	}
 	commitTogether( files );
 	printOut( describe( plan, robots ) );
-	if ( !again.empty() )
+	if ( !results.again.empty() )
 	{
-		tell( "leeway: look at it by leeway world view --world {}{} --out page.html\n", options.common.cell, again );
+		tell( "leeway: look at it by leeway world view --world {}{} --out page.html\n", options.common.cell, results.again );
 	}
 	return solved ? exit_yes : exit_no;
 }

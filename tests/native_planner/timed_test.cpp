@@ -246,7 +246,7 @@ TEST( TimedPlanner, EqualSeedsGiveEqualPaths )
 	EXPECT_EQ( paths[0].values, paths[1].values );
 }
 
-TEST( TimedPlanner, RefusesWhatItCannotUse )
+TEST( TimedPlanner, RefusesUnusableSettings )
 {
 	const Gate gate;
 	const ClockBench bench( gate.robot.get(), gate.scene.get(), false );

@@ -131,7 +131,7 @@ TEST_F( CliWorld, AResultReplacesAMotion )
 	EXPECT_TRUE( contains( readFile( path( "swing.yaml" ) ), "joint_names" ) );
 }
 
-TEST_F( CliWorld, APlanIsNotWhatItsTrajectorySays )
+TEST_F( CliWorld, ATrajectoryIsAnotherPlan )
 {
 	const Outcome plan = ask( "plan",
 	    { "--goal", "right=shoulder=0.4,elbow=0.2", "--deadline", "9", "--out", path( "motions" ), "--json", "p.json" } );
@@ -152,7 +152,7 @@ TEST_F( CliWorld, APlanIsNotWhatItsTrajectorySays )
 	EXPECT_EQ( both.status, 0 ) << both.out << both.err;
 }
 
-TEST_F( CliWorld, APlanSaysWhatIsMissing )
+TEST_F( CliWorld, AMissingGoalIsNotNamed )
 {
 	const auto error = [&]( const std::vector<std::string>& more )
 	{
