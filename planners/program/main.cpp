@@ -349,7 +349,7 @@ CLI::App* addWorld( CLI::App& app, WorldOptions& options )
 	              "--to", options.to, "audit and view: seconds at which it ends (default: when the last motion ends)" )
 	          ->type_name( "T" ) );
 	command->add_flag( "--first-contact", options.first_contact, "audit: when is the first contact, to 1 ms?" );
-	command->add_option( "--edges", options.edges, "edge: table of timed motions" )->type_name( "edges.csv" );
+	rare( command->add_option( "--edges", options.edges, "edge: table of timed motions" )->type_name( "edges.csv" ) );
 	command
 	    ->add_option(
 	        "--motion", options.motions, "ROBOT=FILE: a trajectory in the place of the world file's; again for more" )
