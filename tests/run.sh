@@ -27,7 +27,7 @@ long_tests='^truth|^zoo|^install|^SpheresData.Armar|armar3/armar3|^ReachPairsDat
 long_tests+='|^EdgePieces.FreeMotions|^Edge.CertifiedVerdictsSurvive|^IntervalBatch.(ProvedCell|BallPasses)|^Hierarchy.(Changes|PairOfMany|EdgeContra)'
 long_tests+='|^EdgeTube|^Curve.VerdictsOnRandom|^EdgeAudit.(Earlier|Runs|VerdictsWith)|^EdgeAuditData.Armar|^StatesData|^States.AnswersDiffer'
 long_tests+='|^NativeOmplPlanner.(Progress|Regions)|^Proofs.The(Motion|Run).*LastValid|^Roundings.Blends|^CliFields|^CliWords|^Killed|^CacheData|^Cache.ADamaged|^SdfTest.PosesOfRandom|^Witness.Slab'
-long_tests+='|^SolidMesh.InsideContradicts|/SolidMeshPairs|^Required.ObstacleNearer|^Kernels.LevelDiffers|^EdgeClose.NoEdgeIsFree|^TriTri.SmallIntegers'
+long_tests+='|^SolidMesh.InsideContradicts|/SolidMeshPairs|^Required.ObstacleNearer|^Kernels.LevelDiffers|^EdgeClose.NoEdgeIsFree|^TriTri.SmallIntegers|^ClockCells|^DetectedSolids.Differ|^MovedDepth.ManySmall'
 
 
 heading()
