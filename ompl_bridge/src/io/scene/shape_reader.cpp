@@ -104,15 +104,15 @@ Shape ShapeReader::primitiveOf( const std::string& type, const YamlNode& node, c
 		std::vector<double> d = dimensions.vector( { "radius" } );
 		return m_shapes.primitive( place( node, owner ), LW_SHAPE_SPHERE, { d[0], 0, 0 } );
 	}
-	if ( type == "cylinder" || type == "3" || type == "cone" || type == "4" )
+	if ( type != "cylinder" && type != "3" && type != "cone" && type != "4" )
 	{
-		// shape_msgs/SolidPrimitive: height first
-		std::vector<double> d = dimensions.vector( { "height", "radius" } );
-		lw_shape_type shape = type == "cylinder" || type == "3" ? LW_SHAPE_CYLINDER : LW_SHAPE_CONE;
-		return m_shapes.primitive( place( node, owner ), shape, { d[1], d[0], 0 } );
+		node["type"].fail(
+		    fmt::format( "primitive type {} is not supported", type ), "use box (1), sphere (2), cylinder (3) or cone (4)" );
 	}
-	node["type"].fail(
-	    fmt::format( "primitive type {} is not supported", type ), "use box (1), sphere (2), cylinder (3) or cone (4)" );
+	// shape_msgs/SolidPrimitive: height first
+	std::vector<double> d = dimensions.vector( { "height", "radius" } );
+	lw_shape_type shape = type == "cylinder" || type == "3" ? LW_SHAPE_CYLINDER : LW_SHAPE_CONE;
+	return m_shapes.primitive( place( node, owner ), shape, { d[1], d[0], 0 } );
 }
 
 Shape ShapeReader::mesh( const YamlNode& node, const std::string& owner )
@@ -257,12 +257,12 @@ Shape ShapeReader::otherOf(
 	{
 		return heightMap( node, owner );
 	}
-	if ( type == "spheres" )
+	if ( type != "spheres" )
 	{
-		return spheres( node, owner );
+		node["type"].fail( fmt::format( "shape type {} is not known", type ),
+		    "use " + more + "point_cloud, octomap, height_map or spheres" );
 	}
-	node["type"].fail(
-	    fmt::format( "shape type {} is not known", type ), "use " + more + "point_cloud, octomap, height_map or spheres" );
+	return spheres( node, owner );
 }
 
 /// The type of an element decides which keys it may have.
