@@ -77,9 +77,17 @@ TimedSettings settingsOf( const ScheduleSettings& settings, const TimedRobot& ro
 	return out;
 }
 
-void requireStates( const TimedRobot& robot )
+void requireUsable( const Checker& checker, const TimedRobot& robot )
 {
 	const std::size_t n = robot.variables.size();
+	for ( const std::uint32_t variable : robot.variables )
+	{
+		if ( variable >= lw_checker_variable_count( checker.get() ) )
+		{
+			throw InputError( "leeway::planners: planSchedule: robot " + robot.name + ": variable " +
+			                  std::to_string( variable ) + " is not in the group; give indices into the checker's group" );
+		}
+	}
 	const bool goals = std::all_of(
 	    robot.goals.begin(), robot.goals.end(), [n]( const std::vector<double>& goal ) { return goal.size() == n; } );
 	if ( robot.start.size() != n || robot.goals.empty() || !goals )
@@ -194,9 +202,13 @@ SchedulePlan planSchedule( const Checker& checker, lw_query* query, const std::v
     const lw_clock& others, const ScheduleSettings& settings, const Stop& stop )
 {
 	SchedulePlan out;
+	if ( !checker || others.rest == nullptr )
+	{
+		throw InputError( "leeway::planners: planSchedule: give a checker, and tracks of others with `rest`" );
+	}
 	for ( const TimedRobot& robot : robots )
 	{
-		requireStates( robot );
+		requireUsable( checker, robot );
 	}
 	if ( robots.empty() )
 	{

@@ -359,3 +359,19 @@ TEST( SchedulePlanner, TogetherTwoRobotsChangePlaces )
 	ASSERT_EQ( plan.outcome, Outcome::SOLVED ) << plan.problem;
 	expectFree( robot, plan, robots );
 }
+
+TEST( SchedulePlanner, RefusesVariablesBeyondTheGroup )
+{
+	const RobotPtr robot = balls( 2 );
+	const ClockBench bench( robot.get(), nullptr, false );
+	std::vector<TimedRobot> robots = { robotOf( 0, { -1, 0 }, { 1, 0 } ) };
+	robots[0].variables[1] = 100000;
+	OwnedClock clock;
+	clock.rest.assign( 4, 0.0 );
+	const ScheduleSettings settings;
+	EXPECT_THROW( planSchedule( bench.checker, bench.query.get(), robots, clock.view(), settings ), InputError );
+	lw_clock no_rest = clock.view();
+	no_rest.rest = nullptr;
+	robots[0].variables[1] = 1;
+	EXPECT_THROW( planSchedule( bench.checker, bench.query.get(), robots, no_rest, settings ), InputError );
+}
