@@ -21,7 +21,7 @@ enum
 /// Share of the slack with which proofs come near to a contact.
 #define CONTACT_SLACK 0.0625
 
-/// Halves of a part have tubes that are smaller by this share at least, or halving is in vain.
+/// A part is halved if the tube of a half is smaller by this share.
 #define LEAST_GAIN 0.05
 
 lw_timed_def lw_timed_def_default( void )
@@ -31,7 +31,7 @@ lw_timed_def lw_timed_def_default( void )
 
 // ---- tracks ----------------------------------------------------------------------------------------------------------
 
-/// What a track does at a time and for how long.
+/// The motion of a track from a time on, until its next change.
 typedef struct lwi_track_part
 {
 	const lw_timed_piece* piece; ///< NULL: it rests
@@ -63,7 +63,7 @@ static uint32_t begun_by( const lw_track* track, double time )
 	return low;
 }
 
-/// What the track does from a time on.
+/// The part of a track that begins at a time.
 static lwi_track_part part_at( const lw_track* track, double time )
 {
 	const uint32_t begun = begun_by( track, time );
@@ -78,26 +78,6 @@ static lwi_track_part part_at( const lw_track* track, double time )
 		return ( lwi_track_part ){ NULL, last_point( track, piece ), next };
 	}
 	return ( lwi_track_part ){ piece, NULL, piece->end };
-}
-
-/// Replaces control points by those of [a, b] in [0, 1] (de Casteljau).
-static void cut( double* p, uint32_t degree, double a, double b )
-{
-	for ( uint32_t k = 1; b < 1 && k <= degree; ++k )
-	{
-		for ( uint32_t i = degree; i >= k; --i )
-		{
-			p[i] = ( 1 - b ) * p[i - 1] + b * p[i];
-		}
-	}
-	const double s = b > 0 ? a / b : 1;
-	for ( uint32_t k = 1; a > 0 && k <= degree; ++k )
-	{
-		for ( uint32_t i = 0; i + k <= degree; ++i )
-		{
-			p[i] = ( 1 - s ) * p[i] + s * p[i + 1];
-		}
-	}
 }
 
 /// Control points of one variable on [from, to] of a piece, and how far they may be off.
@@ -119,7 +99,14 @@ static double points_of( const lw_track* track, const lw_timed_piece* piece, uin
 	{
 		return 0; // exact, such as a quaternion's numbers
 	}
-	cut( out, piece->degree, a, b );
+	if ( b < 1 )
+	{
+		lwi_curve_cut( out, piece->degree, 1, b, true );
+	}
+	if ( a > 0 )
+	{
+		lwi_curve_cut( out, piece->degree, 1, a / b, false );
+	}
 	return 0x1p-44 * largest;
 }
 
@@ -200,11 +187,6 @@ static const lw_variable_info* variable_of( const lw_checker* c, const lw_track*
 	return &c->base->robot->variables[c->base->group.variables[track->variables[i]]];
 }
 
-static bool is_quaternion( const lw_robot* robot, const lw_variable_info* variable )
-{
-	return robot->joints[variable->joint].type == LW_JOINT_FLOATING && variable->component >= 3;
-}
-
 /// Does the variable shift bodies?
 static bool shifts( const lw_robot* robot, const lw_variable_info* variable )
 {
@@ -216,15 +198,8 @@ static bool shifts( const lw_robot* robot, const lw_variable_info* variable )
 /// Is a link at or below the child of a joint?
 static bool is_below( const lw_robot* robot, uint32_t link, uint32_t joint )
 {
-	for ( uint32_t above = robot->link_joint[link]; above != LW_INVALID_INDEX;
-		  above = robot->link_joint[robot->joints[above].parent] )
-	{
-		if ( above == joint )
-		{
-			return true;
-		}
-	}
-	return false;
+	const uint32_t child = robot->joints[joint].child;
+	return lwi_robot_common_ancestor( robot, link, child ) == child;
 }
 
 /// The variable that carries the spread: of a joint that shifts, above all other joints of the track. LW_INVALID_INDEX: none.
@@ -310,7 +285,7 @@ static lw_status check_piece( const lw_checker* c, const lw_track* track, uint32
 		{
 			still = still && piece->points[(size_t)k * track->variable_count + i] == piece->points[i];
 		}
-		if ( is_quaternion( c->base->robot, variable_of( c, track, i ) ) && ( !still || jump != 0 ) )
+		if ( lwi_is_quaternion( c->base->robot, variable_of( c, track, i ) ) && ( !still || jump != 0 ) )
 		{
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, t,
 				"track %u: piece %u: a quaternion turns; give joints that turn about axes in its place", t, p );
@@ -347,7 +322,7 @@ static lw_status check_track( const lw_checker* c, const lw_clock* clock, uint32
 				track->variables[i], count );
 		}
 		const double tolerance = track->tolerance != NULL ? track->tolerance[i] : 0;
-		const bool turns = is_quaternion( c->base->robot, variable_of( c, track, i ) );
+		const bool turns = lwi_is_quaternion( c->base->robot, variable_of( c, track, i ) );
 		if ( !( tolerance >= 0 && tolerance < INFINITY ) || ( turns && tolerance > 0 ) )
 		{
 			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, t,
@@ -404,7 +379,7 @@ lw_status lw_clock_check( const lw_checker* c, const lw_clock* clock, lw_diag* d
 	return status == LW_OK ? check_owners( clock, diag ) : status;
 }
 
-/// The same of all that is looked at between two times. @param marks [group variables] scratch
+/// The checks of lw_clock_check() for the pieces near an interval. @param marks [group variables] scratch
 static bool is_usable( const lw_checker* c, const lw_clock* clock, double start, double end, double* marks )
 {
 	const uint32_t count = c->base->group.variable_count;

@@ -227,7 +227,7 @@ static bool tolerance_is_valid( const lw_checker* checker, const double* toleran
 	for ( uint32_t i = 0; i < checker->base->group.variable_count; ++i )
 	{
 		const lw_variable_info* variable = &robot->variables[checker->base->group.variables[i]];
-		const bool quaternion = robot->joints[variable->joint].type == LW_JOINT_FLOATING && variable->component >= 3;
+		const bool quaternion = lwi_is_quaternion( robot, variable );
 		valid = valid && tolerance[i] >= 0 && tolerance[i] < INFINITY && ( tolerance[i] == 0 || !quaternion );
 	}
 	return valid;
@@ -301,7 +301,7 @@ static bool points_are_valid( const lwi_edge* e )
 	for ( uint32_t v = 0; v < count; ++v )
 	{
 		const lw_variable_info* variable = &robot->variables[e->checker->base->group.variables[v]];
-		const bool quaternion = robot->joints[variable->joint].type == LW_JOINT_FLOATING && variable->component >= 3;
+		const bool quaternion = lwi_is_quaternion( robot, variable );
 		for ( uint32_t i = 0; i <= e->path.curve.degree; ++i )
 		{
 			const double value = e->path.curve.points[i * count + v];

@@ -249,6 +249,9 @@ typedef enum lwi_path_result
 /// Begins [cell, cell + 1] / 2^level of a curve, or a straight edge (0, 0): ends, rounding, and bounds of its motion that need no pose.
 lwi_path_result lwi_path_begin( lwi_edge* edge, uint64_t cell, uint8_t level );
 
+/// Replaces the control points of one variable, `stride` numbers apart, by those of [0, s], or of [s, 1] (de Casteljau).
+void lwi_curve_cut( double* p, uint32_t degree, uint32_t stride, double s, bool keep_left );
+
 /// The group's variables at t; the ends are the given states themselves.
 const double* lwi_path_state( lwi_edge* edge, double t );
 

@@ -98,8 +98,7 @@ static bool measure_motion( lwi_edge* e )
 
 // ---- pieces of a curve -----------------------------------------------------------------------------------------------
 
-/// Replaces the control points of one variable by those of [0, s], or of [s, 1] (de Casteljau).
-static void cut( double* p, uint32_t degree, uint32_t stride, double s, bool keep_left )
+void lwi_curve_cut( double* p, uint32_t degree, uint32_t stride, double s, bool keep_left )
 {
 	for ( uint32_t k = 1; k <= degree; ++k )
 	{
@@ -132,11 +131,11 @@ static void cut_out( lwi_edge_curve* c, uint32_t count )
 		}
 		if ( c->end < 1 )
 		{
-			cut( c->part + v, c->degree, count, c->end, true );
+			lwi_curve_cut( c->part + v, c->degree, count, c->end, true );
 		}
 		if ( c->start > 0 )
 		{
-			cut( c->part + v, c->degree, count, c->start / c->end, false );
+			lwi_curve_cut( c->part + v, c->degree, count, c->start / c->end, false );
 		}
 	}
 }

@@ -380,7 +380,7 @@ void lwi_pair_analyser_random_state( const lwi_pair_analyser* p, uint64_t* rando
 	{
 		uint32_t v = variables != NULL ? variables[i] : i;
 		const lw_variable_info* info = &p->robot->variables[v];
-		bool quaternion = p->robot->joints[info->joint].type == LW_JOINT_FLOATING && info->component >= 3;
+		bool quaternion = lwi_is_quaternion( p->robot, info );
 		if ( quaternion && info->component == 3 )
 		{
 			random_quaternion( random, q + v );

@@ -100,6 +100,12 @@ uint32_t lwi_robot_common_ancestor( const lw_robot* robot, uint32_t link_a, uint
 /// The robot without any attached objects: itself if it has none. Owned by `robot`.
 const lw_robot* lwi_robot_bare( const lw_robot* robot );
 
+/// Is the variable one of the four numbers of a floating joint's rotation?
+static inline bool lwi_is_quaternion( const lw_robot* robot, const lw_variable_info* variable )
+{
+	return robot->joints[variable->joint].type == LW_JOINT_FLOATING && variable->component >= 3;
+}
+
 /// One value of lw_robot_default_state().
 double lwi_robot_default_value( const lw_robot* robot, uint32_t variable );
 
