@@ -202,17 +202,29 @@ Schedule::Schedule( const io::WorldModel& world, const io::Problem& problem )
 	check();
 }
 
-void Schedule::add(
-    const std::string& part, const std::vector<double>& times, const std::vector<std::vector<double>>& points )
+std::size_t Schedule::trackOf( const std::string& part ) const
 {
 	const auto found =
 	    std::find_if( m_tracks.begin(), m_tracks.end(), [&]( const Track& track ) { return track.part.name == part; } );
-	const std::string element = "motion of " + part;
 	if ( found == m_tracks.end() )
 	{
-		throw io::Error( m_file, element, "the group has no such part", "use a group with all that moves, or all joints" );
+		throw io::Error(
+		    m_file, "motion of " + part, "the group has no such part", "use a group with all that moves, or all joints" );
 	}
-	const std::size_t count = found->part.variables.size();
+	return static_cast<std::size_t>( found - m_tracks.begin() );
+}
+
+const std::vector<std::uint32_t>& Schedule::variables( const std::string& part ) const
+{
+	return m_tracks[trackOf( part )].variables;
+}
+
+void Schedule::add(
+    const std::string& part, const std::vector<double>& times, const std::vector<std::vector<double>>& points )
+{
+	Track& track = m_tracks[trackOf( part )];
+	const std::string element = "motion of " + part;
+	const std::size_t count = track.part.variables.size();
 	const bool sized = std::all_of(
 	    points.begin(), points.end(), [&]( const std::vector<double>& point ) { return point.size() == count; } );
 	if ( times.empty() || times.size() != points.size() || !sized )
@@ -221,7 +233,7 @@ void Schedule::add(
 		    fmt::format( "has {} times and {} points of {} variables", times.size(), points.size(), count ),
 		    "give a time and all variables for each point" );
 	}
-	Track changed = *found;
+	Track changed = track;
 	changed.source = m_file;
 	changed.part.pieces.clear();
 	changed.part.period = 0;
@@ -237,7 +249,7 @@ void Schedule::add(
 	{
 		changed.part.pieces.push_back( restAt( points[0] ) );
 	}
-	std::swap( *found, changed );
+	std::swap( track, changed );
 	try
 	{
 		clock( std::max( m_until, duration() ) );
@@ -245,7 +257,7 @@ void Schedule::add(
 	}
 	catch ( const io::Error& )
 	{
-		std::swap( *found, changed );
+		std::swap( track, changed );
 		clock( m_until );
 		throw;
 	}

@@ -21,10 +21,13 @@ public:
 	const io::WorldModel& world() const { return *m_input.world; }
 	const Input& input() const { return m_input; }
 	const Workbench& bench() const { return m_bench; }
+	/// The motions of the file and of the command line.
+	Schedule& schedule() { return m_schedule; }
 
 private:
 	Input m_input;
 	Workbench m_bench;
+	Schedule m_schedule;
 };
 
 /// The robot or object that a link belongs to: its name up to the first slash.

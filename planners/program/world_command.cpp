@@ -86,8 +86,10 @@ std::string ownerOf( const std::string& link )
 }
 
 Cell::Cell( const WorldOptions& options, Notices& notices, const std::set<std::string>& focus )
-    : m_input( inputOf( options, notices, focus ) ), m_bench( m_input, "", m_input.world->state().values, notices )
+    : m_input( inputOf( options, notices, focus ) ), m_bench( m_input, "", m_input.world->state().values, notices ),
+      m_schedule( world(), m_bench.problem() )
 {
+	notices.add( "motions", m_schedule.notices() );
 }
 
 namespace
@@ -153,8 +155,7 @@ int runWorldCheck( const WorldOptions& options )
 	Notices notices( options.common.verbose );
 	OutputFile json_file( "--json", options.json );
 	Cell cell( options, notices );
-	Schedule schedule( cell.world(), cell.bench().problem() );
-	notices.add( "motions", schedule.notices() );
+	Schedule& schedule = cell.schedule();
 	const std::vector<double> q = schedule.state( options.time );
 	const std::vector<Nearest> nearest = nearestPairs( cell.bench(), q, options.common.checkFlags(), options.common.cell );
 	const bool free = nearest.empty() || nearest.front().pair.lower > options.common.min_d;
@@ -206,8 +207,7 @@ int runWorldAudit( const WorldOptions& options )
 	Notices notices( options.common.verbose );
 	OutputFile json_file( "--json", options.json );
 	Cell cell( options, notices );
-	Schedule schedule( cell.world(), cell.bench().problem() );
-	notices.add( "motions", schedule.notices() );
+	Schedule& schedule = cell.schedule();
 	ScheduleSettings settings = settingsOf( options );
 	settings.from = options.from;
 	settings.to = options.to_given ? options.to : std::max( schedule.duration(), options.from );
@@ -279,19 +279,18 @@ EdgeColumns edgeColumns( const CsvTable& table, const std::vector<std::string>& 
 	return out;
 }
 
-/// Replaces the motions of the parts whose joints have columns by those of a row.
-void drive( const io::WorldModel& world, const CsvTable& table, std::size_t row, const EdgeColumns& columns, double start,
-    double end, Schedule& schedule )
+/// Replaces the motions of the parts whose joints have columns by those of a row. Their other joints stand where the cell's motions have them.
+void drive( Cell& cell, const CsvTable& table, std::size_t row, const EdgeColumns& columns, double start, double end,
+    Schedule& driven )
 {
-	const std::vector<std::string>& names = schedule.problem().variable_names;
-	const std::vector<double> standing = schedule.state( start );
-	for ( const io::WorldPart& part : world.parts )
+	const std::vector<double> standing = cell.schedule().state( start );
+	for ( const io::WorldPart& part : cell.world().parts )
 	{
 		std::vector<double> from, to;
 		bool moves = false;
-		for ( const std::string& name : part.variables )
+		for ( std::size_t i = 0; i < part.variables.size(); ++i )
 		{
-			const auto v = static_cast<std::uint32_t>( std::find( names.begin(), names.end(), name ) - names.begin() );
+			const std::uint32_t v = driven.variables( part.name )[i];
 			const auto ends = columns.ends.find( v );
 			moves = moves || ends != columns.ends.end();
 			from.push_back( ends != columns.ends.end() ? table.value( row, ends->second.first ) : standing[v] );
@@ -299,7 +298,7 @@ void drive( const io::WorldModel& world, const CsvTable& table, std::size_t row,
 		}
 		if ( moves )
 		{
-			schedule.add( part.name, { start, end }, { from, to } );
+			driven.add( part.name, { start, end }, { from, to } );
 		}
 	}
 }
@@ -316,6 +315,7 @@ int runWorldEdge( const WorldOptions& options )
 	ScheduleSettings settings = settingsOf( options );
 	settings.edge.want_proved_until = true;
 	out.text = "index,verdict,time,proved_until,clearance,pair,by_unknown_motion,states\n";
+	Schedule driven( cell.world(), problem ); // the motions of the named parts are those of a row, the same parts in each
 	std::size_t free = 0;
 	Progress progress( "proving motions", table.rows.size() );
 	for ( std::size_t row = 0; row < table.rows.size(); ++row )
@@ -328,13 +328,8 @@ int runWorldEdge( const WorldOptions& options )
 			    fmt::format( "begins at {:g} s and ends at {:g} s", settings.from, settings.to ),
 			    "give an end after the start" );
 		}
-		Schedule schedule( cell.world(), problem );
-		if ( row == 0 )
-		{
-			notices.add( "motions", schedule.notices() );
-		}
-		drive( cell.world(), table, row, columns, settings.from, settings.to, schedule );
-		const ScheduleAudit audit = auditSchedule( schedule, settings );
+		drive( cell, table, row, columns, settings.from, settings.to, driven );
+		const ScheduleAudit audit = auditSchedule( driven, settings );
 		fmt::format_to( std::back_inserter( out.text ), "{},{},{},{},{},{},{},{}\n", row, lw_verdict_name( audit.verdict ),
 		    audit.time, audit.proved_until, audit.valid() ? audit.lower_bound : audit.pair.least(),
 		    audit.pair.first.empty() ? "" : csvCell( audit.pair.first + ":" + audit.pair.second ), audit.by_spread ? 1 : 0,
@@ -378,8 +373,7 @@ int runWorldView( const WorldOptions& options )
 	Cell cell( options, notices );
 	(void)prepare( cell.bench().checker() );
 	const io::Problem& problem = cell.bench().problem();
-	Schedule schedule( cell.world(), problem );
-	notices.add( "motions", schedule.notices() );
+	Schedule& schedule = cell.schedule();
 	const double from = options.from;
 	const double to = options.to_given ? options.to : std::max( schedule.duration(), from + picture_step );
 	ScheduleSettings settings = settingsOf( options );

@@ -93,9 +93,8 @@ std::vector<double> goalOf(
 	return values;
 }
 
-/// A robot of the world as the planner takes it: those of its variables that the goal changes, and their way there.
-planners::TimedRobot robotOf(
-    const Cell& cell, Schedule& schedule, const Wanted& wanted, const JointLimits& limits, double from )
+/// A robot of the world as the planner takes it.
+planners::TimedRobot robotOf( Cell& cell, const Wanted& wanted, const JointLimits& limits, double from )
 {
 	const io::WorldModel& world = cell.world();
 	const io::WorldPart& part = world.part( wanted.robot );
@@ -103,18 +102,15 @@ planners::TimedRobot robotOf(
 	{
 		throw io::Error( "command line", wanted.option, wanted.robot + " is an object", "name a robot of the world" );
 	}
-	const std::vector<std::string>& group = schedule.problem().variable_names;
-	const std::vector<double> standing = schedule.state( from );
+	const std::vector<double> standing = cell.schedule().state( from );
 	planners::TimedRobot robot;
 	robot.name = part.name;
 	robot.lag = part.lag;
 	robot.velocity = velocityLimits( world, part, limits );
-	for ( std::size_t i = 0; i < part.variables.size(); ++i )
+	robot.tolerance = part.tolerance;
+	robot.variables = cell.schedule().variables( part.name );
+	for ( const std::uint32_t v : robot.variables )
 	{
-		const auto v =
-		    static_cast<std::size_t>( std::find( group.begin(), group.end(), part.variables[i] ) - group.begin() );
-		robot.variables.push_back( static_cast<std::uint32_t>( v ) );
-		robot.tolerance.push_back( part.tolerance[i] );
 		robot.start.push_back( standing[v] );
 	}
 	robot.goals = { goalOf( world, part, wanted, robot.start ) };
@@ -227,15 +223,13 @@ int runWorldPlan( const WorldOptions& options )
 	{
 		focus.insert( one.robot );
 	}
-	const Cell cell( options, notices, focus );
-	Schedule schedule( cell.world(), cell.bench().problem() );
-	notices.add( "motions", schedule.notices() );
+	Cell cell( options, notices, focus );
 	std::vector<planners::TimedRobot> robots;
 	for ( const Wanted& one : wanted )
 	{
-		robots.push_back( robotOf( cell, schedule, one, limits, options.from ) );
+		robots.push_back( robotOf( cell, one, limits, options.from ) );
 	}
-	const lw_clock others = schedule.clockWithout( { focus.begin(), focus.end() }, options.deadline );
+	const lw_clock others = cell.schedule().clockWithout( { focus.begin(), focus.end() }, options.deadline );
 	planners::ScheduleSettings settings;
 	settings.timed.timed.edge.min_d = options.common.min_d;
 	settings.timed.timed.edge.slack = options.slack;

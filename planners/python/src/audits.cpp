@@ -21,16 +21,15 @@
 namespace leeway::python
 {
 
-namespace
-{
-
-using namespace nb::literals;
-
-/// A report as the program writes it into a file, read by Python: the same keys, and the same numbers in all digits.
 nb::object dictOf( const motions::Json& json )
 {
 	return nb::module_::import_( "json" ).attr( "loads" )( nb::str( motions::jsonText( json ).c_str() ) );
 }
+
+namespace
+{
+
+using namespace nb::literals;
 
 /// Lets Ctrl-C end a long call.
 motions::ProgressFunction interruptible()
@@ -64,7 +63,7 @@ struct Path
 };
 
 /// A report, and its notices.
-nb::object dictOf( motions::Json json, const std::vector<io::Notice>& notices )
+nb::object dictWithNotices( motions::Json json, const std::vector<io::Notice>& notices )
 {
 	json["notices"] = noticeLines( notices );
 	return dictOf( json );
@@ -141,7 +140,7 @@ nb::object auditPath( const PyChecker& checker, const nb::object& given, const s
 		const nb::gil_scoped_release unlocked;
 		audit = motions::auditPath( *checker.problem, path.points, settings, path.file );
 	}
-	return dictOf( toJson( audit, settings ), path.notices );
+	return dictWithNotices( toJson( audit, settings ), path.notices );
 }
 
 /// The text of a path file. @throws nb::value_error if the audit finds the path invalid
@@ -206,7 +205,7 @@ nb::object auditRoundings( const PyChecker& checker, const nb::object& given, do
 		const nb::gil_scoped_release unlocked;
 		audit = motions::auditRoundings( *checker.problem, path.points, radius, def, path.file );
 	}
-	return dictOf( toJson( audit ), path.notices );
+	return dictWithNotices( toJson( audit ), path.notices );
 }
 
 motions::JointLimits limitsOf( const nb::object& given )
@@ -281,7 +280,7 @@ nb::object auditTrajectory( const PyChecker& checker, const nb::object& times, c
 		drive.add( *checker.problem, *checker.model, trajectory, settings );
 		append( append( notices, trajectory.notices ), drive.notices() );
 	}
-	return dictOf( toJson( drive.whole() ), notices );
+	return dictWithNotices( toJson( drive.whole() ), notices );
 }
 
 nb::object analysePairs( const PyRobot& robot, double seconds, const Whole& samples, const Whole& seed,

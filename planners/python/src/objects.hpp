@@ -8,6 +8,8 @@
 
 #include "arrays.hpp"
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -105,6 +107,9 @@ std::vector<std::string> noticeLines( const std::vector<io::Notice>& notices );
 /// Each block begins with a query that was reset, so answers do not depend on threads or on earlier calls. Ctrl-C ends it between blocks.
 void inBlocks( QueryPool& queries, std::size_t count, std::size_t block, unsigned threads,
     const std::function<void( lw_query*, std::size_t, std::size_t )>& work );
+
+/// A report as the program writes it into a file, read by Python: the same keys, and the same numbers in all digits.
+nb::object dictOf( const nlohmann::ordered_json& json );
 
 /// An instance of a class of leeway.results.
 nb::object result( const char* type, const nb::tuple& values );

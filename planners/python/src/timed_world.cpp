@@ -11,7 +11,6 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
-#include <future>
 #include <optional>
 
 namespace leeway::python
@@ -21,11 +20,6 @@ namespace
 {
 
 using namespace nb::literals;
-
-nb::object dictOf( const motions::Json& json )
-{
-	return nb::module_::import_( "json" ).attr( "loads" )( nb::str( motions::jsonText( json ).c_str() ) );
-}
 
 /// The world, its problem and its schedule. One call at a time: a mutex keeps others waiting.
 struct PyTimedWorld
@@ -131,12 +125,10 @@ planners::TimedRobot robotOf( PyTimedWorld& self, const std::string& name, const
 	robot.tolerance = part.tolerance;
 	robot.lag = part.lag;
 	const std::vector<double> standing = self.schedule->state( a.start );
-	const std::vector<std::string>& group = self.problem->variable_names;
-	for ( const std::string& variable : part.variables )
+	robot.variables = self.schedule->variables( name );
+	for ( const std::uint32_t v : robot.variables )
 	{
-		const auto v = std::find( group.begin(), group.end(), variable ) - group.begin();
-		robot.variables.push_back( static_cast<std::uint32_t>( v ) );
-		robot.start.push_back( standing[static_cast<std::size_t>( v )] );
+		robot.start.push_back( standing[v] );
 	}
 	for ( std::size_t i = 0; i < goals.count; ++i )
 	{

@@ -42,6 +42,8 @@ public:
 	lw_clock clockWithout( const std::vector<std::string>& parts, double until );
 	/// The group's state.
 	std::vector<double> state( double time );
+	/// Indices into the group of a part's variables, in the order of io::WorldPart::variables. @throws io::Error (no such part in the group)
+	const std::vector<std::uint32_t>& variables( const std::string& part ) const;
 
 	const io::Problem& problem() const { return m_problem; }
 	/// Fields of trajectory files that have no say, and joints that stand elsewhere than a file says.
@@ -62,6 +64,7 @@ private:
 	void readMotion( Track& track );
 	void repeat( Track& track, double until ) const;
 	void check() const;
+	std::size_t trackOf( const std::string& part ) const;
 
 	std::string m_file; ///< of the world
 	const io::Problem& m_problem;
