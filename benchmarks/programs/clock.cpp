@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Motions on one clock: proofs against states at steps of 1 cm, by leeway and by FCL; things that move against things that rest; and a
-// hall of vehicles with arms, of which one is asked about.
+// hall of vehicles with arms: one beside the others, and all of them.
 //
-// Worlds are generated as world files, so what is measured is what users get. Motions are straight, all at the same time, FREE by the
+// Worlds are generated as world files, as users write them. Motions are straight, all at the same time, FREE by the
 // proof: the only ones for which steps cannot stop early. A hash of all verdicts makes two versions of the engine comparable.
 #include "peers/fcl_peer.hpp"
 #include "programs/commands.hpp"
@@ -229,7 +229,7 @@ private:
 		return file;
 	}
 
-	/// "robot: F, srdf: S" of the robot that is asked about.
+	/// "robot: F, srdf: S" of the measured arm.
 	std::string robotFields() const
 	{
 		std::string urdf = m_settings.robot, srdf;

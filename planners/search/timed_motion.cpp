@@ -10,10 +10,7 @@
 namespace leeway::planners
 {
 
-namespace
-{
-
-void need( bool condition, const std::string& sentence )
+void needOfSettings( bool condition, const std::string& sentence )
 {
 	if ( !condition )
 	{
@@ -21,18 +18,16 @@ void need( bool condition, const std::string& sentence )
 	}
 }
 
-} // namespace
-
 TimedMotion::TimedMotion( Checker checker, const TimedSettings& settings, const lw_clock& others, Statistics& statistics )
     : m_checker( std::move( checker ) ), m_settings( settings ), m_statistics( statistics )
 {
-	need( static_cast<bool>( m_checker ), "no checker" );
+	needOfSettings( static_cast<bool>( m_checker ), "no checker" );
 	const std::size_t n = settings.variables.size();
-	need( settings.velocity.size() == n, "give a velocity for each variable" );
-	need( settings.tolerance.empty() || settings.tolerance.size() == n,
+	needOfSettings( settings.velocity.size() == n, "give a velocity for each variable" );
+	needOfSettings( settings.tolerance.empty() || settings.tolerance.size() == n,
 	    "tolerance has to be empty, or one for each variable" );
-	need( settings.lag >= 0 && std::isfinite( settings.lag ), "lag has to be finite and at least 0" );
-	need( others.rest != nullptr, "the tracks of others need `rest`" );
+	needOfSettings( settings.lag >= 0 && std::isfinite( settings.lag ), "lag has to be finite and at least 0" );
+	needOfSettings( others.rest != nullptr, "the tracks of others need `rest`" );
 	m_tracks.assign( others.tracks, others.tracks + others.track_count );
 	m_rest.assign( others.rest, others.rest + lw_checker_variable_count( m_checker.get() ) );
 	m_state.resize( m_rest.size() );
@@ -46,14 +41,12 @@ TimedMotion::TimedMotion( Checker checker, const TimedSettings& settings, const 
 	lw_track own = {};
 	own.variables = settings.variables.data();
 	own.variable_count = static_cast<std::uint32_t>( n );
-	own.pieces = m_pieces.data();
-	own.piece_count = 1;
-	own.tolerance = m_wide.data();
 	m_tracks.push_back( own );
+	setPlanned( m_wide.data(), 0 );
 	m_clock = { m_tracks.data(), static_cast<std::uint32_t>( m_tracks.size() ), m_rest.data() };
 	lw_diag diag = {};
 	const bool usable = lw_clock_check( m_checker.get(), &m_clock, &diag ) == LW_OK;
-	need( usable, diag.message );
+	needOfSettings( usable, diag.message );
 }
 
 void TimedMotion::begin( lw_query* query )
@@ -76,7 +69,8 @@ double TimedMotion::least( const double* a, const double* b ) const
 void TimedMotion::findBounds( std::vector<double>& lower, std::vector<double>& upper ) const
 {
 	const std::size_t n = m_settings.variables.size();
-	need( m_settings.lower.size() == m_settings.upper.size() && ( m_settings.lower.empty() || m_settings.lower.size() == n ),
+	needOfSettings(
+	    m_settings.lower.size() == m_settings.upper.size() && ( m_settings.lower.empty() || m_settings.lower.size() == n ),
 	    "lower and upper have to be empty, or one for each variable" );
 	lower = m_settings.lower;
 	upper = m_settings.upper;
@@ -90,7 +84,7 @@ void TimedMotion::findBounds( std::vector<double>& lower, std::vector<double>& u
 	}
 	for ( std::size_t i = 0; i < n; ++i )
 	{
-		need( std::isfinite( lower[i] ) && std::isfinite( upper[i] ) && lower[i] <= upper[i],
+		needOfSettings( std::isfinite( lower[i] ) && std::isfinite( upper[i] ) && lower[i] <= upper[i],
 		    "variable " + std::to_string( m_settings.variables[i] ) + " has no finite bounds; give lower and upper" );
 	}
 }
@@ -103,6 +97,15 @@ double TimedMotion::othersEnd() const
 		end = std::max( end, m_tracks[i].pieces[m_tracks[i].piece_count - 1].end + m_tracks[i].lag );
 	}
 	return end;
+}
+
+void TimedMotion::setPlanned( const double* tolerance, double lag )
+{
+	lw_track& own = m_tracks.back();
+	own.pieces = m_pieces.data();
+	own.piece_count = static_cast<std::uint32_t>( m_pieces.size() );
+	own.tolerance = tolerance;
+	own.lag = lag;
 }
 
 /// All that moves at a time.
@@ -132,8 +135,7 @@ bool TimedMotion::isStateFree( const double* q, double time )
 {
 	std::copy_n( q, m_settings.variables.size(), m_points.begin() );
 	m_pieces.assign( 1, { time, time + 1, 0, m_points.data() } );
-	m_tracks.back().pieces = m_pieces.data();
-	m_tracks.back().piece_count = 1;
+	setPlanned( nullptr, 0 );
 	return isMomentFree( time );
 }
 
@@ -159,22 +161,15 @@ bool TimedMotion::isFree( const double* a, double from, const double* b, double 
 	std::copy_n( a, n, m_points.begin() );
 	std::copy_n( b, n, m_points.begin() + static_cast<std::ptrdiff_t>( n ) );
 	m_pieces.assign( 1, { from, to, 1, m_points.data() } );
-	m_tracks.back().pieces = m_pieces.data();
-	m_tracks.back().piece_count = 1;
-	m_tracks.back().tolerance = m_wide.data();
-	m_tracks.back().lag = 0; // in the tolerance
+	setPlanned( m_wide.data(), 0 ); // the lag is in the tolerance
 	return seemsFree( from, to ) && prove( from, to );
 }
 
 bool TimedMotion::isRestFree( const double* q, double from, double to )
 {
-	m_points.resize( 2 * m_settings.variables.size() );
 	std::copy_n( q, m_settings.variables.size(), m_points.begin() );
 	m_pieces.assign( 1, { from, std::max( to, from + 1 ), 0, m_points.data() } );
-	m_tracks.back().pieces = m_pieces.data();
-	m_tracks.back().piece_count = 1;
-	m_tracks.back().tolerance = m_wide.data();
-	m_tracks.back().lag = 0;
+	setPlanned( m_wide.data(), 0 );
 	return prove( from, std::max( from, to ) );
 }
 
@@ -185,10 +180,7 @@ bool TimedMotion::isPathFree( const TimedPath& path, double from, double to )
 	{
 		m_pieces.push_back( { path.times[i - 1], path.times[i], 1, path[i - 1] } );
 	}
-	m_tracks.back().pieces = m_pieces.data();
-	m_tracks.back().piece_count = static_cast<std::uint32_t>( m_pieces.size() );
-	m_tracks.back().tolerance = m_settings.tolerance.empty() ? nullptr : m_settings.tolerance.data();
-	m_tracks.back().lag = m_settings.lag;
+	setPlanned( m_settings.tolerance.empty() ? nullptr : m_settings.tolerance.data(), m_settings.lag );
 	return prove( from, to );
 }
 

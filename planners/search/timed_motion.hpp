@@ -10,6 +10,9 @@
 namespace leeway::planners
 {
 
+/// @throws InputError with the sentence, unless the condition holds: NaN is refused
+void needOfSettings( bool condition, const std::string& sentence );
+
 class TimedMotion
 {
 public:
@@ -40,6 +43,8 @@ public:
 	lw_status status() const { return m_status; }
 
 private:
+	/// What is planned, from now on: m_pieces. @param tolerance null: none
+	void setPlanned( const double* tolerance, double lag );
 	bool isMomentFree( double time );
 	bool seemsFree( double from, double to );
 	bool prove( double from, double to );

@@ -39,14 +39,6 @@ struct TimedTree
 
 constexpr std::uint32_t none = 0xffffffffu;
 
-void need( bool condition, const char* sentence )
-{
-	if ( !condition )
-	{
-		throw InputError( std::string( "leeway::planners: TimedSettings: " ) + sentence );
-	}
-}
-
 } // namespace
 
 struct TimedPlanner::Parts
@@ -55,13 +47,13 @@ struct TimedPlanner::Parts
 	    : settings( std::move( s ) ), motion( std::move( given ), settings, others, statistics ), random( settings.seed )
 	{
 		const std::size_t n = settings.variables.size();
-		need( settings.velocity.size() == n && n > 0, "give variables, and a velocity for each" );
-		need( settings.deadline > settings.start_time && std::isfinite( settings.deadline ),
+		needOfSettings( n > 0, "give variables, and a velocity for each" );
+		needOfSettings( settings.deadline > settings.start_time && std::isfinite( settings.deadline ),
 		    "deadline must come after start_time" );
-		need( settings.most_nodes >= 4 && settings.most_nodes < none, "most_nodes must be 4 to 2^32 - 2" );
+		needOfSettings( settings.most_nodes >= 4 && settings.most_nodes < none, "most_nodes must be 4 to 2^32 - 2" );
 		for ( std::size_t i = 0; i < n; ++i )
 		{
-			need(
+			needOfSettings(
 			    settings.velocity[i] > 0 && std::isfinite( settings.velocity[i] ), "velocities must be above 0 and finite" );
 		}
 		motion.findBounds( lower, upper );
@@ -108,7 +100,7 @@ struct TimedPlanner::Parts
 	Random random;
 	std::vector<double> lower, upper, start, goals;
 	std::vector<double> rest_from; ///< [goals] earliest time from which a goal is proved to rest; infinite: never
-	double step = 0, hold = 0, latest = 0;
+	double step = 0, hold = 0;
 	TimedTree trees[2];
 	std::vector<double> sample, next;
 	double sample_time = 0;
@@ -201,10 +193,10 @@ void TimedPlanner::Parts::addRoot()
 {
 	const std::size_t g = random.below( goalCount() );
 	const double first = std::max( rest_from[g], settings.start_time + least( start.data(), goal( g ) ) );
-	if ( first <= latest )
+	if ( first <= settings.deadline )
 	{
 		const bool early = trees[1].size() == 0 || random.uniform() < 0.2;
-		trees[1].add( goal( g ), size(), early ? first : first + ( latest - first ) * random.uniform(), none );
+		trees[1].add( goal( g ), size(), early ? first : first + ( settings.deadline - first ) * random.uniform(), none );
 	}
 }
 
@@ -231,7 +223,7 @@ bool TimedPlanner::Parts::drawSample()
 	{
 		after = rest_from[g] < HUGE_VAL ? std::min( after, least( sample.data(), goal( g ) ) ) : after;
 	}
-	const double first = settings.start_time + least( start.data(), sample.data() ), last = latest - after;
+	const double first = settings.start_time + least( start.data(), sample.data() ), last = settings.deadline - after;
 	sample_time = first + ( last - first ) * random.uniform();
 	return last > first;
 }
@@ -374,10 +366,6 @@ void TimedPlanner::Parts::improve( Deadline& deadline )
 				break;
 			}
 		}
-		if ( path.count() < 2 )
-		{
-			break;
-		}
 	}
 }
 
@@ -394,7 +382,6 @@ Outcome TimedPlanner::Parts::solve( lw_query* query, const Stop& stop )
 	trees[0].clear();
 	trees[1].clear();
 	random = Random( settings.seed );
-	latest = settings.deadline;
 	if ( start.empty() || goals.empty() )
 	{
 		throw InputError( "leeway::planners: TimedPlanner: give a start and a goal before solve()" );

@@ -4,8 +4,8 @@
 // From above: wherever a was moved to and is apart from b, that translation is a way out, and it may end before, by the distance of the two.
 // The convex bodies around both give the first; then a is moved along some directions until it is free, and slides along the
 // surface that is nearest there. From below: two balls about one point, one in each body, part only after a translation of both radii, and
-// two convex parts after one of their own depth. Then cubes of translations, the shortest first: parts that overlap after each of one's
-// translations exclude it, others are looked at and cut into eight (branch and bound). Derivation: core/docs/depth.md.
+// two convex parts after one of their own depth. Then cubes of translations, the shortest first: two parts that overlap after every
+// translation of a cube exclude the cube; any other cube is cut into eight (branch and bound). Derivation: core/docs/depth.md.
 #include "depth/depth.h"
 #include "base/exact_sign.h"
 
