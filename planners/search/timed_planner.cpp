@@ -372,7 +372,7 @@ void TimedPlanner::Parts::improve( Deadline& deadline )
 /// The whole path with all that its controller may do.
 bool TimedPlanner::Parts::proveWhole()
 {
-	return motion.isPathFree( path, settings.start_time, std::max( hold, path.times.back() ) );
+	return motion.isPathFree( path, settings.start_time, std::max( hold, path.times.back() + settings.lag ) );
 }
 
 Outcome TimedPlanner::Parts::solve( lw_query* query, const Stop& stop )

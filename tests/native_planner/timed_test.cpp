@@ -168,6 +168,27 @@ TEST( TimedPlanner, ArrivesOnlyWhereItMayStay )
 	EXPECT_GT( later.path().times.back(), 8 );
 }
 
+// A ball passes behind the goal 0.1 s after the arrival, where a controller that is late still is.
+TEST( TimedPlanner, ALateControllerIsProvedUntilItArrives )
+{
+	const RobotPtr robot = balls( 2 );
+	const ClockBench bench( robot.get(), nullptr, false );
+	const double start[] = { -1, 0 }, goal[] = { 1, 0 };
+	for ( const double lag : { 0.0, 0.3 } )
+	{
+		OwnedClock clock;
+		clock.rest = { 0, 0, 0, 0 };
+		clock.tracks = { going( 1, { { 1.95, 0.55, -3 }, { 2.25, 0.55, 3 } } ) };
+		TimedSettings settings = settingsFor( 0, 2 );
+		settings.lag = lag;
+		settings.hold_until = 0;
+		TimedPlanner planner( bench.checker, settings, clock.view() );
+		planner.setStart( start );
+		planner.addGoal( goal );
+		EXPECT_EQ( planner.solve( bench.query.get(), seconds( 0.3 ) ) == Outcome::SOLVED, lag == 0 ) << planner.endProblem();
+	}
+}
+
 // Balls pass in front of the goal one after the other, at random speeds; the controller is late by up to 30 ms and 1 cm off.
 TEST( TimedPlanner, PathsThroughTrafficSurviveADenseLook )
 {
