@@ -64,7 +64,7 @@ typedef struct lw_timed_result
 	double time; ///< seconds, of the contact or undecided verdict; the end if FREE
 	/// Seconds: FREE's claim holds from the start of the interval to here; the end if FREE. With contact_resolution, or with
 	/// edge.want_proved_until; else the start. BLOCKED with contact_resolution: at least time - contact_resolution, but where the
-	/// motions go along a contact within the slack.
+	/// motions go along a contact within the slack, or lags and tolerances reach it earlier: a contact is one of the tracks.
 	double proved_until;
 	bool by_spread;
 	bool self;          ///< as lw_edge_result::self
