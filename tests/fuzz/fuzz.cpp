@@ -65,6 +65,7 @@ const std::vector<Target>& targets()
 	    { "scene", scene, text, "scene" },
 	    { "request", request, text, "request" },
 	    { "settings", settings, text, "settings" },
+	    { "world", world, text, "world" },
 	    { "csv", csv, text, "csv" },
 	    { "path", path, text, "path" },
 	    { "steps", steps, text, "steps" },

@@ -34,7 +34,7 @@ const Target* findTarget( const std::string& name );
 // In the order of the table, by source
 void meshStl( Input ), meshObj( Input ), meshPly( Input ), meshDae( Input ), meshGltf( Input );
 void cloudPcd( Input ), cloudPly( Input ), octomap( Input ), heightMap( Input );
-void urdf( Input ), mjcf( Input ), srdf( Input ), scene( Input ), request( Input ), settings( Input );
+void urdf( Input ), mjcf( Input ), srdf( Input ), scene( Input ), request( Input ), settings( Input ), world( Input );
 void csv( Input ), path( Input ), steps( Input );
 void shapeBlob( Input ), reachBlob( Input ), cacheFile( Input );
 void coreCalls( Input );

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files of models and problems: URDF, SRDF, planning scenes, requests, margins and paddings, tables, paths.
+// Files of models and problems: URDF, SRDF, planning scenes, requests, margins and paddings, worlds, tables, paths.
 #include "fuzz.hpp"
 
 #include "motions/csv.hpp"
 #include "leeway/motions/path_file.hpp"
+#include "leeway/motions/schedule.hpp"
 #include "leeway/motions/steps_file.hpp"
 #include "leeway/motions/trajectory_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace fuzz
@@ -139,6 +141,27 @@ void settings( Input input )
 	{
 		reads( [&] { useProblem( io::buildProblem( robot, options ) ); } );
 	}
+}
+
+void world( Input input )
+{
+	(void)fixedRobot(); // its files
+	putOnce( "motion.yaml", "joint_names: [j]\npoints:\n  - {positions: [0.1], time_from_start: 0}\n"
+	                        "  - {positions: [0.2], velocities: [0], time_from_start: 1}\n" );
+	const std::string file = put( "input.yaml", input );
+	reads(
+	    [&]
+	    {
+		    const io::WorldModel model = io::loadWorld( file );
+		    const io::Problem problem = io::buildProblem( model.robot, io::worldProblem( model ) );
+		    useProblem( problem );
+		    leeway::motions::Schedule schedule( model, problem );
+		    leeway::motions::ScheduleSettings settings;
+		    settings.to = std::min( 1.0, schedule.duration() );
+		    settings.edge.close_windows = 16;
+		    const leeway::motions::ScheduleAudit audit = leeway::motions::auditSchedule( schedule, settings );
+		    expect( audit.verdict != LW_VERDICT_UNKNOWN, "a schedule that was asked has a verdict" );
+	    } );
 }
 
 void csv( Input input )
