@@ -247,11 +247,6 @@ void validate( const AuditOptions& options )
 		wrong( "--corner-blend", "a timed trajectory is driven as it is, without rounding its corners",
 		    "give the path that is yet to be timed, by --path" );
 	}
-	if ( steps && !options.view.empty() )
-	{
-		wrong( "--view", "a page has one world, and --steps change it",
-		    "leave it out, or give one trajectory by --trajectory" );
-	}
 	const std::vector<std::string> known = { "auto", "linear", "cubic", "quintic" };
 	if ( std::find( known.begin(), known.end(), options.interpolation ) == known.end() )
 	{

@@ -21,6 +21,8 @@ public:
 	bool isWanted() const { return m_file.has_value(); }
 	/// Writes the page into a file that is committed with the others.
 	void write( PageInput page, std::vector<OutputFile*>& files );
+	/// The same of several worlds, which are played one after the other.
+	void write( std::vector<PageInput> chapters, std::vector<OutputFile*>& files );
 
 private:
 	std::optional<OutputFile> m_file;

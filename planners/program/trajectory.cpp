@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <set>
 
@@ -78,6 +79,22 @@ std::vector<Tolerance> tolerancesFor( const AuditOptions& options, const io::Pro
 	return out;
 }
 
+/// What a page shows of trajectories of one group that follow one another in one world.
+struct Chapter
+{
+	std::shared_ptr<const io::Problem> problem;
+	std::string name;
+	std::vector<Segment> segments = {};
+};
+
+std::string describe( const Step& change )
+{
+	const bool attach = change.kind == Step::Kind::attach, release = change.kind == Step::Kind::release;
+	return attach || release ? fmt::format( "{} {}", attach ? "attach" : "release", change.object )
+	                         : fmt::format( "{} contact of {} and {}", change.kind == Step::Kind::allow ? "allow" : "forbid",
+	                               change.link, change.object );
+}
+
 /// Drives the trajectories, and keeps what reports and pages show of them.
 class Driver
 {
@@ -106,6 +123,13 @@ public:
 		return problem;
 	}
 
+	/// The world changes before the next trajectory.
+	void change( const Step& step )
+	{
+		m_stage.change( step, m_options.steps );
+		m_changes += describe( step ) + ", ";
+	}
+
 	void drive( const TrajectoryFile& file )
 	{
 		const std::string group = groupOf( file, m_options.common.group, m_input.robot );
@@ -118,7 +142,7 @@ public:
 		{
 			profile += profileCsv( *problem, m_drive.segments(), m_settings.edge.flags, file.file );
 		}
-		keep( m_drive.segments(), group );
+		keep( problem, file.file );
 		m_stage.moved( stateAt( m_drive.segments(), whole().duration ) );
 		Json step = toJson( audit );
 		told += fmt::format( "step        {:.4f} to {:.4f} s, {}: {}, {}\n", m_drive.begin(), whole().duration,
@@ -132,21 +156,18 @@ public:
 	const TrajectoryAudit& whole() const { return m_drive.whole(); }
 	std::string profile = "time,environment,self\n", told;
 	Json steps = Json::array();
-	std::vector<Segment> all; ///< of a page
-	std::string shown_group;
+	std::vector<Chapter> chapters; ///< of the page
 
 private:
-	/// For a page, which has one group.
-	void keep( const std::vector<Segment>& segments, const std::string& group )
+	void keep( const std::shared_ptr<const io::Problem>& problem, const std::string& file )
 	{
-		if ( !m_options.view.empty() && !all.empty() && group != shown_group )
+		if ( chapters.empty() || chapters.back().problem != problem )
 		{
-			throw io::Error( "command line", "--view",
-			    fmt::format( "the trajectories are of the groups '{}' and '{}', and a page has one", shown_group, group ),
-			    "name a group with all joints by --group, or leave it out" );
+			chapters.push_back( { problem, m_changes + std::filesystem::path( file ).filename().string() } );
 		}
-		shown_group = group;
-		all.insert( all.end(), segments.begin(), segments.end() );
+		m_changes.clear();
+		const std::vector<Segment>& driven = m_drive.segments();
+		chapters.back().segments.insert( chapters.back().segments.end(), driven.begin(), driven.end() );
 	}
 
 	const AuditOptions& m_options;
@@ -156,6 +177,7 @@ private:
 	TrajectorySettings m_settings;
 	Drive m_drive;
 	std::set<std::string> m_shown; ///< groups whose notices were given
+	std::string m_changes;         ///< of the world since the last trajectory
 };
 
 Json reportOf(
@@ -172,6 +194,25 @@ Json reportOf(
 		json["steps"] = driver.steps;
 	}
 	return json;
+}
+
+/// A world for each chapter.
+std::vector<PageInput> pagesOf(
+    const AuditOptions& options, const Input& input, const Driver& driver, const lw_edge_def& edge )
+{
+	std::vector<PageInput> pages;
+	for ( const Chapter& chapter : driver.chapters )
+	{
+		const std::string& file = options.steps.empty() ? options.trajectory : options.steps;
+		PageInput page = pageOf( input, *chapter.problem,
+		    motionOfTrajectory( { *chapter.problem, edge.flags, edge.min_d, file }, chapter.segments ), edge.flags );
+		page.min_d = edge.min_d;
+		page.source = file;
+		page.notes = driver.whole().problems;
+		page.chapter = chapter.name;
+		pages.push_back( std::move( page ) );
+	}
+	return pages;
 }
 
 } // namespace
@@ -214,7 +255,7 @@ int runTrajectoryAudit( const AuditOptions& options )
 	{
 		if ( act.files.empty() )
 		{
-			stage.change( act.step, options.steps );
+			driver.change( act.step );
 		}
 		for ( const TrajectoryFile& file : act.files )
 		{
@@ -234,14 +275,7 @@ int runTrajectoryAudit( const AuditOptions& options )
 	}
 	if ( view.isWanted() )
 	{
-		const std::shared_ptr<const io::Problem> problem = driver.use( driver.shown_group );
-		PageInput page = pageOf( input, *problem,
-		    motionOfTrajectory( { *problem, settings.edge.flags, settings.edge.min_d, options.trajectory }, driver.all ),
-		    settings.edge.flags );
-		page.min_d = settings.edge.min_d;
-		page.source = options.trajectory;
-		page.notes = driver.whole().problems;
-		view.write( page, out );
+		view.write( pagesOf( options, input, driver, settings.edge ), out );
 	}
 	commitTogether( out );
 	printOut( ( options.steps.empty() ? "" : driver.told ) + describe( driver.whole() ) );

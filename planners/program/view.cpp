@@ -25,9 +25,21 @@ ViewFile::ViewFile( const std::string& path )
 
 void ViewFile::write( PageInput page, std::vector<OutputFile*>& files )
 {
+	std::vector<PageInput> one;
+	one.push_back( std::move( page ) );
+	write( std::move( one ), files );
+}
+
+void ViewFile::write( std::vector<PageInput> chapters, std::vector<OutputFile*>& files )
+{
 	Progress progress( "writing the page" );
-	page.progress = shownBy( progress );
-	m_file->text = pageHtml( page );
+	std::vector<const PageInput*> pages;
+	for ( PageInput& chapter : chapters )
+	{
+		chapter.progress = shownBy( progress );
+		pages.push_back( &chapter );
+	}
+	m_file->text = pageHtml( pages );
 	files.push_back( &*m_file );
 }
 
@@ -230,7 +242,7 @@ int runView( const ViewOptions& options )
 	page.notes = notices.all();
 	Progress progress( "making the page" );
 	page.progress = shownBy( progress );
-	const std::string html = pageHtml( page );
+	const std::string html = pageHtml( { &page } );
 	std::vector<OutputFile*> files;
 	if ( out )
 	{

@@ -358,7 +358,7 @@ std::vector<Segment> drawnSegments( Schedule& schedule, double from, double to )
 		const auto at = [&]( std::size_t k )
 		{ return from + ( to - from ) * static_cast<double>( k ) / static_cast<double>( steps ); };
 		const std::vector<double> next = schedule.state( at( i ) );
-		Segment segment{ at( i - 1 ) - from, at( i ) - at( i - 1 ), 1, last };
+		Segment segment{ at( i - 1 ), at( i ) - at( i - 1 ), 1, last };
 		segment.points.insert( segment.points.end(), next.begin(), next.end() );
 		out.push_back( segment );
 		last = next;

@@ -37,6 +37,7 @@ struct PageInput
 	ProgressFunction progress = {};               ///< may be empty
 	/// Motions of the same group beside `motion`, to compare with; of the same unit.
 	std::vector<NamedMotion> more = {};
+	std::string chapter = {}; ///< of several worlds: the name of this one
 };
 
 struct PageContent

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view/page.hpp"
 
+#include <fmt/format.h>
+
 extern const char* const leeway_page; // written by page/build.mjs; empty where the tools for it were absent
 
 namespace leeway::view
@@ -39,17 +41,29 @@ void requireView( const std::string& option )
 	}
 }
 
-std::string pageHtml( const PageInput& page )
+std::string pageHtml( const std::vector<const PageInput*>& chapters )
 {
 	requireView( "view" );
-	const PageContent content = pageContent( page );
-	const std::string numbers(
-	    reinterpret_cast<const char*>( content.numbers.data() ), content.numbers.size() * sizeof( double ) );
+	Json names = Json::array();
+	for ( const PageInput* chapter : chapters )
+	{
+		names.push_back( chapter->chapter );
+	}
+	std::string blocks;
+	for ( std::size_t i = 0; i < chapters.size(); ++i )
+	{
+		PageContent content = pageContent( *chapters[i] );
+		content.json["chapters"] = names;
+		const std::string numbers(
+		    reinterpret_cast<const char*>( content.numbers.data() ), content.numbers.size() * sizeof( double ) );
+		const std::string of = i == 0 ? "" : fmt::format( "-{}", i ); // as page/data.js names them
+		blocks += block( "model" + of, "application/json", jsonForScript( content.json ) ) +
+		          packed( "bytes" + of, content.bytes.all() ) + packed( "numbers" + of, numbers ) +
+		          packed( "blob" + of, content.blob );
+	}
 	const std::string html = leeway_page;
 	const std::size_t at = html.find( mark );
-	return html.substr( 0, at ) + block( "model", "application/json", jsonForScript( content.json ) ) +
-	       packed( "bytes", content.bytes.all() ) + packed( "numbers", numbers ) + packed( "blob", content.blob ) +
-	       html.substr( at + std::string( mark ).size() );
+	return html.substr( 0, at ) + blocks + html.substr( at + std::string( mark ).size() );
 }
 
 } // namespace leeway::view

@@ -17,8 +17,9 @@ std::string viewProblem();
 void requireView( const std::string& option );
 
 /// The page as HTML.
+/// @param chapters one, or several worlds of which the page shows one at a time, played one after the other
 /// @throws io::Error, CoreError
-std::string pageHtml( const PageInput& page );
+std::string pageHtml( const std::vector<const PageInput*>& chapters );
 
 /// A picture of a page.
 struct PictureOptions

@@ -121,7 +121,7 @@ void refine( const Meter& meter, const StateAt& state_at, std::vector<ViewStep>&
 	std::stable_sort( steps.begin(), steps.end(), []( const ViewStep& a, const ViewStep& b ) { return a.at < b.at; } );
 }
 
-/// Equal steps from 0 to `end`, and the corners.
+/// Equal steps from the first corner to `end`, and the corners.
 ViewMotion sampled(
     const Measuring& how, const StateAt& state_at, double end, const std::vector<double>& corners, StepUnit unit )
 {
@@ -129,7 +129,8 @@ ViewMotion sampled(
 	std::vector<double> places;
 	for ( std::size_t i = 0; i <= equal_steps; ++i )
 	{
-		places.push_back( end * static_cast<double>( i ) / static_cast<double>( equal_steps ) );
+		places.push_back(
+		    corners.front() + ( end - corners.front() ) * static_cast<double>( i ) / static_cast<double>( equal_steps ) );
 	}
 	if ( corners.size() <= most_corners )
 	{

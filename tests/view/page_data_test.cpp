@@ -173,7 +173,28 @@ TEST_F( CliView, EverySubcommandWritesAPageOfItsResult )
 	EXPECT_EQ( model( "tune.html" )["motion"]["steps"].size(), 20U );
 	EXPECT_NE( with( "pairs", { "--budget", "0", "--view", "pairs.html" } ).status, 2 );
 	EXPECT_EQ( model( "pairs.html" )["what"], 2 ) << "links against links";
-	EXPECT_EQ( run( { "audit", "--robot", "arm.urdf", "--steps", "s.yaml", "--view", "p.html" } ).status, 2 );
+	write( "steps.yaml", "steps:\n- trajectory: t.yaml\n" );
+	ASSERT_EQ( runModel( "audit", { "--steps", "steps.yaml", "--view", "steps.html" } ).status, 0 );
+	EXPECT_EQ( model( "steps.html" )["motion"]["steps"], model( "timed.html" )["motion"]["steps"] );
+}
+
+TEST_F( CliView, OneOfSeveralPathsIsLostOrItsPairsAreSetApart )
+{
+	const auto path_to = [&]( const std::string& name, const std::string& end ) {
+		write(
+		    name, "joint_names: [shoulder, elbow]\npoints:\n  - positions: [-0.6, 0]\n  - positions: [" + end + ", 0]\n" );
+	};
+	path_to( "short.yaml", "-0.3" );
+	path_to( "long.yaml", "0.2" );
+	ASSERT_EQ( view( { "--path", "short.yaml", "--path", "long.yaml", "--out", "page.html" } ).status, 0 );
+	const nlohmann::json page = model( "page.html" );
+	ASSERT_EQ( page["more"].size(), 1U );
+	EXPECT_NEAR( page["motion"]["length"].get<double>(), 0.3, 1e-9 );
+	EXPECT_NEAR( page["more"][0]["length"].get<double>(), 0.8, 1e-9 );
+	EXPECT_EQ( page["motion"]["source"], "short.yaml" );
+	EXPECT_EQ( page["more"][0]["source"], "long.yaml" );
+	EXPECT_NEAR( page["more"][0]["steps"].back()["q"][0].get<double>(), 0.2, 1e-12 );
+	EXPECT_TRUE( page["motion"]["apart"].empty() && page["more"][0]["apart"].empty() );
 }
 
 TEST_F( CliView, StatesThatMoveOtherJointsAreRefused )

@@ -197,6 +197,43 @@ const tests = {
 		});
 	},
 
+	async EachPartOfATaskIsShownInItsOwnWorld() {
+		const drive = (name, from, to) => write(name, `time,yaw,shoulder,elbow,wrist\n0,${from},0.9,0.9,0\n1,${to},0.9,0.9,0\n`);
+		drive("there.csv", 0.9, 0.8);
+		drive("back.csv", 0.8, 0.9);
+		write("steps.yaml", "steps:\n- trajectory: there.csv\n- {attach: mug, link: hand}\n- allow: [mug, desk]\n- trajectory: back.csv\n- release: mug\n- trajectory: there.csv\n");
+		leeway(["audit", ...DESK, "--steps", "steps.yaml", "--view", "steps.html"], [0, 1]);
+		const browser = new Browser();
+		try {
+			const tab = await browser.open(file("steps.html"));
+			const now = async () => {
+				assert.equal(await tab.ready(), "live");
+				return tab.value("({ objects: leeway.model.objects, links: leeway.model.links, at: leeway.steps[0].at, q: leeway.steps[0].q[0], chosen: Number(document.getElementById('chapter').value) })");
+			};
+			assert.deepEqual(await tab.ready().then(() => tab.value(`[...document.querySelectorAll("#chapter option")].map((o) => o.textContent)`)),
+				["1. there.csv", "2. attach mug, allow contact of mug and desk, back.csv", "3. release mug, there.csv"]);
+			const first = await now();
+			assert.ok(first.objects.includes("mug") && !first.links.includes("mug"));
+			await tab.value(`(() => { window.old = true; const w = document.getElementById("chapter"); w.value = "1"; w.dispatchEvent(new Event("change")); })()`);
+			await tab.until("window.old === undefined && document.documentElement.dataset.ready !== undefined", "the next world is shown");
+			const second = await now();
+			assert.ok(!second.objects.includes("mug") && second.links.includes("mug"), `the mug is a link of the robot: ${second.links}`);
+			assert.deepEqual([second.at, second.q, second.chosen], [1, 0.8, 1]);
+			// At its end playing goes on in the next world
+			await tab.value(`(() => { window.old = true; leeway.go(leeway.steps.at(-2).at); leeway.play(true); })()`);
+			await tab.until("window.old === undefined && document.documentElement.dataset.ready !== undefined", "the last world is played");
+			const third = await now();
+			assert.ok(third.objects.includes("mug") && !third.links.includes("mug"));
+			assert.deepEqual([third.at, third.chosen], [2, 2]);
+			assert.deepEqual(tab.errors, [], "errors of the page");
+		} finally {
+			await browser.close();
+		}
+		await withPage(turningPage(), {}, async (tab) => {
+			assert.ok(await tab.value(`document.getElementById("chapters").hidden`), "one world needs no choice");
+		});
+	},
+
 	async TheNearestPartIsMarkedInTheChartAndAlongThePath() {
 		await withPage(turningPage(), {}, async (tab) => {
 			const part = await tab.value(`(() => { const r = document.querySelector("#chart .nearest"), x = (n) => Number(r.getAttribute(n)), c = leeway.chart;

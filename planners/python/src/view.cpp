@@ -53,7 +53,7 @@ std::string pageOf( const PyChecker& checker, const std::vector<std::pair<std::s
 	page.min_d = min_d;
 	motions.erase( motions.begin() );
 	page.more = std::move( motions );
-	return view::pageHtml( page );
+	return view::pageHtml( { &page } );
 }
 
 } // namespace

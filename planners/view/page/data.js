@@ -10,9 +10,17 @@ function fromBase64(text) {
 	return bytes;
 }
 
+/// Of several worlds the one that the address names: page.html#chapter=1. The first has the blocks model, bytes, ..., the second model-1, bytes-1, ...
+export const chapter = Number(new URLSearchParams(location.hash.slice(1)).get("chapter") ?? 0);
+
+/// The block of this world; of a name that all of them share, or of a world that the page does not have, that of the first.
+function find(id) {
+	return (chapter > 0 ? document.getElementById(`${id}-${chapter}`) : null) ?? document.getElementById(id);
+}
+
 /// The bytes of a data block; null if the page has none of this name.
 export async function block(id) {
-	const text = document.getElementById(id)?.textContent ?? "";
+	const text = find(id)?.textContent ?? "";
 	if (text === "") {
 		return null;
 	}
@@ -21,5 +29,5 @@ export async function block(id) {
 }
 
 export function model() {
-	return JSON.parse(document.getElementById("model").textContent);
+	return JSON.parse(find("model").textContent);
 }

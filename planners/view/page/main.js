@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page: state, motion, engine and their events.
 import { Chart } from "./chart.js";
-import { block, model as readModel } from "./data.js";
+import { block, chapter, model as readModel } from "./data.js";
 import { Engine } from "./engine.js";
 import { between } from "./kinematics.js";
 import { makeChoices, makeJoints, makeNotes, pairNames, showAnswer } from "./panel.js";
@@ -145,6 +145,9 @@ class Page {
 			this.go(Math.min(at, last));
 			if (at >= last) {
 				this.play(false);
+				if (chapter + 1 < this.model.chapters.length) {
+					this.openChapter(chapter + 1, true);
+				}
 			} else {
 				this.playing = requestAnimationFrame(next);
 			}
@@ -224,6 +227,27 @@ class Page {
 		this.go(this.steps[0].at);
 	}
 
+	// ---- several worlds
+
+	makeChapters() {
+		$("chapters").hidden = this.model.chapters.length < 2;
+		this.model.chapters.forEach((name, i) => $("chapter").append(element("option", `${i + 1}. ${name}`, { value: i })));
+		$("chapter").value = chapter;
+		$("chapter").addEventListener("change", () => this.openChapter(Number($("chapter").value), false));
+	}
+
+	/// Begins the page anew with another world, seen from the same side.
+	openChapter(index, play) {
+		const next = new URLSearchParams(location.hash.slice(1)), { azimuth, elevation, distance } = this.stage.side();
+		next.set("chapter", index);
+		next.set("camera", [azimuth, elevation, distance].map((x) => x.toFixed(2)).join(","));
+		next.set("theme", document.documentElement.dataset.theme);
+		next.delete("at");
+		next.delete("play");
+		location.hash = next + (play ? "&play" : "");
+		location.reload();
+	}
+
 	// ---- page
 
 	theme(name) {
@@ -294,6 +318,7 @@ class Page {
 		$("scale").textContent = "Grid 0.5 m";
 		this.stage.pose(this.q);
 		this.stage.addTrace(makeTrace(this.stage, model, (q) => this.full(q)));
+		this.makeChapters();
 		this.makeMotion();
 		this.joints = makeJoints(model, this.q, (i, value) => {
 			this.q[i] = value;
@@ -310,7 +335,7 @@ class Page {
 		this.stage.draw();
 	}
 
-	/// Of the address: #camera=azimuth,elevation,distance&at=0.5&theme=dark&picture
+	/// Of the address: #camera=azimuth,elevation,distance&at=0.5&theme=dark&picture&play
 	options() {
 		const given = new URLSearchParams(location.hash.slice(1)), camera = (given.get("camera") ?? "").split(",").map(Number);
 		this.view = given.has("camera") && camera.every(Number.isFinite) ? { azimuth: camera[0], elevation: camera[1] ?? 20, distance: camera[2] } : null;
@@ -349,6 +374,9 @@ async function start() {
 		mark.picture = performance.now().toFixed(0);
 		await new Promise((resolve) => { setTimeout(resolve, 30); }); // the picture first
 		await page.goLive();
+		if (new URLSearchParams(location.hash.slice(1)).has("play") && page.steps.length > 1) {
+			page.play();
+		}
 		mark.ready = page.engine === null ? "stored" : "live";
 	} catch (error) {
 		const message = /webgl/i.test(error.message) ? "This browser shows no 3D pictures: its WebGL is off." : `This page cannot be shown: ${error.message}`;

@@ -284,6 +284,12 @@ export class Stage {
 		return best;
 	}
 
+	/// From where the picture is seen: degrees from the x axis, degrees above the horizon, metres.
+	side() {
+		const offset = this.camera.position.clone().sub(this.controls.target), distance = offset.length();
+		return { azimuth: Math.atan2(offset.y, offset.x) * 180 / Math.PI, elevation: Math.asin(offset.z / distance) * 180 / Math.PI, distance };
+	}
+
 	/// Turns and zooms by keys: degrees and a factor.
 	orbit(azimuth, elevation, zoom = 1) {
 		const offset = this.camera.position.clone().sub(this.controls.target);
