@@ -234,6 +234,36 @@ const tests = {
 		});
 	},
 
+	async ArrowsShowTheNearPairsOfCheck() {
+		write("near.csv", "yaw,shoulder,elbow,wrist\n0.2,0.43,0.8,0.1\n");
+		const rows = table(leeway(["check", ...DESK, "--states", "near.csv", "--group", "arm", "--near", "0.2"]).stdout);
+		assert.ok(rows.length > 5, `${rows.length} pairs`);
+		const choose = (distance) => `(() => { const s = document.querySelector("select[aria-label='Way out of near pairs']"); s.value = "${distance}"; s.dispatchEvent(new Event("change")); })()`;
+		await withPage(deskPage(), {}, async (tab) => {
+			await tab.value(`leeway.q.splice(0, 4, 0.2, 0.43, 0.8, 0.1); leeway.update(null)`);
+			const shown = () => tab.value("leeway.stage.arrows.heads.count");
+			assert.equal(await shown(), 0, "none until they are asked for");
+			await tab.value(choose(0.2));
+			assert.equal(await shown(), rows.length);
+			const pairs = await tab.value(`leeway.engine.near(leeway.groupState(), 3, 0.2).map((p) => [p.self ? "link" : "object", leeway.model.links[p.a], p.self ? leeway.model.links[p.b] : leeway.model.objects[p.b], p.upper, ...p.normal])`);
+			rows.forEach((expected, i) => {
+				assert.deepEqual(pairs[i].slice(0, 3), [expected.with, expected.link, expected.other]);
+				[expected.upper, expected.normal_x, expected.normal_y, expected.normal_z].forEach((x, k) => assert.ok(Math.abs(pairs[i][3 + k] - x) < 1e-9, `pair ${i}`));
+			});
+			// The head of the first arrow is one shaft beyond the link's nearest point
+			const [head, from] = await tab.value("[Array.from(leeway.stage.arrows.heads.instanceMatrix.array.slice(12, 15)), leeway.engine.near(leeway.groupState(), 3, 0.2)[0].from]");
+			const normal = [rows[0].normal_x, rows[0].normal_y, rows[0].normal_z];
+			head.forEach((x, k) => assert.ok(Math.abs(x - from[k] - 0.06 * normal[k]) < 1e-6, `${head}, ${from}`));
+			await tab.value("leeway.q.splice(1, 2, -0.5, 0); leeway.update(null)");
+			assert.notEqual(await shown(), rows.length, "arrows follow the state");
+			await tab.value(choose(0));
+			assert.equal(await shown(), 0);
+		});
+		await withPage(deskPage(["--stored"]), {}, async (tab) => {
+			assert.equal(await tab.value(`document.querySelector("select[aria-label='Way out of near pairs']")`), null, "no choice without an engine");
+		});
+	},
+
 	async TheNearestPartIsMarkedInTheChartAndAlongThePath() {
 		await withPage(turningPage(), {}, async (tab) => {
 			const part = await tab.value(`(() => { const r = document.querySelector("#chart .nearest"), x = (n) => Number(r.getAttribute(n)), c = leeway.chart;

@@ -3,6 +3,8 @@
 // numbers are written by view/engine_data.cpp in the order in which they are read here. There is one world per page.
 #include "apart.h"
 
+#include "leeway/near.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +15,9 @@ enum
 {
 	ENGINE_FORMAT = 2, ///< first number of the list
 	CLEARANCE_NUMBERS = 12,
+	NEAR_NUMBERS = 14,
+	MOST_NEAR = 256,
+	DEPTH_STEPS = 16,
 	MOST_COUNT = 10000000
 };
 
@@ -36,6 +41,7 @@ static struct
 	lw_query* query;
 	lwv_apart* apart; ///< NULL: no pairs are set apart
 	char message[256];
+	double near_out[1 + MOST_NEAR * NEAR_NUMBERS];
 	double out[1 + 4 * CLEARANCE_NUMBERS + 1 + 3 * LWV_MOST_PAIRS];
 } world;
 
@@ -310,6 +316,38 @@ static double* put_both( double* out, const lw_state_result* state )
 	const lw_clearance *e = &state->environment, *s = &state->self;
 	out = put_clearance( out, e, lw_checker_environment_margin( world.checker, e->a, e->b ) );
 	return put_clearance( out, s, lw_checker_self_margin( world.checker, s->a, s->b ) );
+}
+
+/// All pairs whose clearance is below a distance, the nearest first.
+/// @return their number, at most MOST_NEAR, and for each: 1 if it is of two links, a, b, lower, upper, two points, direction of the way out
+/// (zeros: none). NULL with a message
+LWV_EXPORT( "lwv_near" ) const double* lwv_near( const double* q, int flags, double distance )
+{
+	static lw_near_pair pairs[MOST_NEAR];
+	lw_near_def def = lw_near_def_default();
+	def.flags = (lw_check_flags)flags;
+	def.distance = distance;
+	def.depth_steps = DEPTH_STEPS;
+	uint32_t count = 0;
+	lw_diag diag = { 0 };
+	if ( failed( lw_checker_near( world.checker, world.query, q, &def, pairs, MOST_NEAR, &count ), "near pairs", &diag ) )
+	{
+		return NULL;
+	}
+	count = count < MOST_NEAR ? count : MOST_NEAR;
+	double* out = world.near_out;
+	*out++ = count;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		const lw_near_pair* pair = &pairs[i];
+		const lw_clearance* c = &pair->clearance;
+		const double values[NEAR_NUMBERS] = { pair->self ? 1 : 0, (double)c->a, (double)c->b, c->lower, c->upper, c->point_a.x,
+		    c->point_a.y, c->point_a.z, c->point_b.x, c->point_b.y, c->point_b.z, pair->normal.x, pair->normal.y,
+		    pair->normal.z };
+		memcpy( out, values, sizeof values );
+		out += NEAR_NUMBERS;
+	}
+	return world.near_out;
 }
 
 /// Measures a state exactly.

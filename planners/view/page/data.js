@@ -18,13 +18,17 @@ function find(id) {
 	return (chapter > 0 ? document.getElementById(`${id}-${chapter}`) : null) ?? document.getElementById(id);
 }
 
+/// True if the page has this block, and something in it.
+export function holds(id) {
+	return (find(id)?.textContent ?? "") !== "";
+}
+
 /// The bytes of a data block; null if the page has none of this name.
 export async function block(id) {
-	const text = find(id)?.textContent ?? "";
-	if (text === "") {
+	if (!holds(id)) {
 		return null;
 	}
-	const stream = new Blob([fromBase64(text)]).stream().pipeThrough(new DecompressionStream("gzip"));
+	const stream = new Blob([fromBase64(find(id).textContent)]).stream().pipeThrough(new DecompressionStream("gzip"));
 	return new Response(stream).arrayBuffer();
 }
 

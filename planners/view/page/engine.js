@@ -63,6 +63,20 @@ export class Engine {
 		this.state_at = calls.lwv_bytes(8 * 4096);
 	}
 
+	/// All pairs nearer than a distance, the nearest first, at most 256.
+	near(q, flags, distance) {
+		new Float64Array(this.memory.buffer, this.state_at, q.length).set(q);
+		const at = this.calls.lwv_near(this.state_at, flags, distance), NEAR = 14;
+		if (at === 0) {
+			throw new Error(text(this.memory, this.calls.lwv_message()));
+		}
+		const count = new Float64Array(this.memory.buffer, at, 1)[0], numbers = new Float64Array(this.memory.buffer, at + 8, count * NEAR);
+		return Array.from({ length: count }, (_, i) => {
+			const [self, a, b, lower, upper, ...rest] = numbers.slice(NEAR * i, NEAR * (i + 1));
+			return { self: self === 1, a, b, lower, upper, from: rest.slice(0, 3), to: rest.slice(3, 6), normal: rest.slice(6, 9) };
+		});
+	}
+
 	/// Clearances of a group state, those without the pairs that are set apart, and the pairs in contact.
 	measure(q, flags, min_d, touching = true) {
 		new Float64Array(this.memory.buffer, this.state_at, q.length).set(q);

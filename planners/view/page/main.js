@@ -28,6 +28,7 @@ class Page {
 		this.at = this.steps[0].at;
 		this.chosen = null; // kind of a pair that the user chose; null: the nearer one
 		this.picked = null;
+		this.near = 0; // metres: pairs below it show their way out
 		this.stage = new Stage($("canvas"), model, bytes);
 	}
 
@@ -58,6 +59,16 @@ class Page {
 		this.stage.pose(this.q);
 		showAnswer(this.model, this.answer, [step?.label ?? note, describeApart(this.model, aside)].filter((t) => t !== "").join("; "));
 		this.showPair();
+		this.showNear();
+	}
+
+	/// The way out of all pairs that are nearer than the chosen distance.
+	showNear() {
+		if (this.near > 0 && this.engine !== null) {
+			this.stage.showNear(this.engine.near(this.groupState(), this.model.what, this.near), this.near);
+		} else if (this.near === 0) {
+			this.stage.showNear([], 1);
+		}
 	}
 
 	/// The kind of the pair whose witness is shown.
@@ -325,7 +336,10 @@ class Page {
 			this.update(null);
 		});
 		$("joints-title").textContent = `Joints (${model.group.length})`;
-		makeChoices(model, this.stage);
+		makeChoices(model, this.stage, (distance) => {
+			this.near = distance;
+			this.showNear();
+		});
 		makeNotes(model, false);
 		this.listen();
 		this.options();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The panel beside the picture: clearance, joints, choices, notes.
+import { holds } from "./data.js";
 import { element, length, stated, statement, value } from "./text.js";
 
 export function pairNames(model, kind, a, b) {
@@ -85,7 +86,17 @@ function checkbox(text, checked, changed, swatch = "") {
 	return row;
 }
 
-export function makeChoices(model, stage) {
+/// A row with a choice of one of [value, text].
+function selectRow(text, options, changed) {
+	const row = element("label", "", { class: "choice" }), select = element("select", "", { "aria-label": text });
+	select.append(...options.map(([value, name]) => element("option", name, { value })));
+	select.addEventListener("change", () => changed(Number(select.value)));
+	row.append(element("span", text), select);
+	return row;
+}
+
+/// @param near called with the distance in metres below which pairs are shown; 0: none
+export function makeChoices(model, stage, near) {
 	const show = document.getElementById("show"), add = (name, text, swatch) =>
 		show.append(checkbox(text, stage.visible[name], (on) => stage.show(name, on), swatch));
 	add("robot", "Robot", "--robot");
@@ -110,14 +121,11 @@ export function makeChoices(model, stage) {
 	}
 	const levels = Math.max(0, ...model.bodies.map((body) => model.shapes[body.shape].levels?.length ?? 0));
 	if (levels > 0) {
-		const row = element("label", "", { class: "choice" }), select = element("select", "", { "aria-label": "Level of the sphere trees" });
-		select.append(element("option", "off", { value: -1 }));
-		for (let level = 0; level < levels; ++level) {
-			select.append(element("option", level === 0 ? "one sphere" : `level ${level}`, { value: level }));
-		}
-		select.addEventListener("change", () => stage.show("level", Number(select.value)));
-		row.append(element("span", "Sphere trees of the search"), select);
-		show.append(row);
+		const choices = Array.from({ length: levels }, (_, level) => [level, level === 0 ? "one sphere" : `level ${level}`]);
+		show.append(selectRow("Sphere trees of the search", [[-1, "off"], ...choices], (level) => stage.show("level", level)));
+	}
+	if (holds("program") && holds("blob")) {
+		show.append(selectRow("Way out of near pairs", [[0, "off"], ...[0.01, 0.05, 0.2].map((d) => [d, `nearer than ${length(d)}`])], near));
 	}
 }
 

@@ -5,6 +5,7 @@ import { BufferAttribute, BufferGeometry, Box3, Color, DirectionalLight, DoubleS
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Shapes, balls, matrixOf, meshGeometry } from "./geometry.js";
 import { linkPoses } from "./kinematics.js";
+import { NearArrows } from "./near.js";
 
 const UP = new Vector3(0, 0, 1);
 const SLOW = 50;          // milliseconds per frame from which moving pictures become coarser
@@ -90,6 +91,8 @@ export class Stage {
 		this.witness = new Group();
 		this.scene.add(this.witness);
 		this.makeWitness();
+		this.arrows = new NearArrows();
+		this.scene.add(this.arrows.group);
 		this.show("robot", true);
 	}
 
@@ -144,6 +147,7 @@ export class Stage {
 		this.materials.nearest.color = colour("--danger");
 		this.materials.start.color = colour("--good");
 		this.materials.goal.color = colour("--accent");
+		this.arrows.recolour(colour("--danger"), colour("--accent"));
 		this.line_material.color = colour("--ink");
 		this.dot_material.color = colour("--ink");
 		this.grid?.removeFromParent();
@@ -200,6 +204,12 @@ export class Stage {
 			this.ball.position.set(...pair.to);
 			this.ball.scale.setScalar(pair.margin || 1);
 		}
+		this.request();
+	}
+
+	/// @param pairs of Engine.near()
+	showNear(pairs, distance) {
+		this.arrows.show(pairs, distance);
 		this.request();
 	}
 
