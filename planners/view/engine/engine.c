@@ -341,9 +341,9 @@ LWV_EXPORT( "lwv_near" ) const double* lwv_near( const double* q, int flags, dou
 	{
 		const lw_near_pair* pair = &pairs[i];
 		const lw_clearance* c = &pair->clearance;
-		const double values[NEAR_NUMBERS] = { pair->self ? 1 : 0, (double)c->a, (double)c->b, c->lower, c->upper, c->point_a.x,
-		    c->point_a.y, c->point_a.z, c->point_b.x, c->point_b.y, c->point_b.z, pair->normal.x, pair->normal.y,
-		    pair->normal.z };
+		const double values[NEAR_NUMBERS] = { pair->self ? 1 : 0, (double)c->a, (double)c->b, c->lower, c->upper,
+		    c->point_a.x, c->point_a.y, c->point_a.z, c->point_b.x, c->point_b.y, c->point_b.z, pair->normal.x,
+		    pair->normal.y, pair->normal.z };
 		memcpy( out, values, sizeof values );
 		out += NEAR_NUMBERS;
 	}
