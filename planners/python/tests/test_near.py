@@ -50,6 +50,32 @@ def test_derivatives_are_slopes(checker, rng):
         numpy.testing.assert_allclose(near.derivatives[clear, v], slopes[clear], rtol=0, atol=1e-6)
 
 
+def test_a_rounded_shape_misses_a_part_or_reaches_too_far(rng):
+    box, radius = leeway.Shape.box(0.2, 0.3, 0.4), 0.02
+    round_box = box.rounded(radius)
+    assert 0 < round_box.excess <= radius * (3 ** 0.5 - 1)
+    q = rng.uniform(-1, 1, (500, 6))
+
+    def near(shape):
+        scene = leeway.Scene()
+        scene.add("box", shape)
+        return leeway.Checker(ball_robot(), scene).near(q, numpy.inf, check="environment")
+
+    sharp, soft = near(box), near(round_box)
+
+    def by_bodies(rows):
+        state = numpy.repeat(numpy.arange(len(q)), numpy.diff(rows.offsets))
+        return {(i, *bodies): (low, high) for i, bodies, low, high in zip(state, map(tuple, rows.bodies.tolist()), rows.lower, rows.upper)}
+
+    rounded_rows = by_bodies(soft)
+    for key, (low, high) in by_bodies(sharp).items():
+        lower, upper = rounded_rows[key]
+        assert lower <= high + 1e-12 and upper >= low - round_box.excess - 1e-12
+    for wrong in [-0.1, numpy.nan, numpy.inf]:
+        with pytest.raises(leeway.Error, match="radius"):
+            box.rounded(wrong)
+
+
 def test_threads_and_batches_change_no_row(checker, rng):
     q = rng.uniform(-2, 2, (300, 6))
     one, many = checker.near(q, 0.4), checker.near(q, 0.4, threads=4)
