@@ -27,6 +27,8 @@ long_tests='^truth|^zoo|^install|^SpheresData.Armar|armar3/armar3|^ReachPairsDat
 long_tests+='|^EdgePieces.FreeMotions|^Edge.CertifiedVerdictsSurvive|^IntervalBatch.(ProvedCell|BallPasses)|^Hierarchy.(Changes|PairOfMany|EdgeContra)'
 long_tests+='|^EdgeTube|^Curve.VerdictsOnRandom|^EdgeAudit.(Earlier|Runs|VerdictsWith)|^EdgeAuditData.Armar|^StatesData|^States.AnswersDiffer'
 long_tests+='|^NativeOmplPlanner.(Progress|Regions)|^Proofs.The(Motion|Run).*LastValid|^Roundings.Blends|^CliFields|^CliWords|^Killed|^CacheData|^Cache.ADamaged|^SdfTest.PosesOfRandom|^Witness.Slab'
+long_tests+='|^bad_inputs|^packages.Shell|^TriTri.(Crossing|Agrees)|^Spheres.(Stopped|CellsOf|FormOf)|^SphereTree.Identical|^States.ContactIs|^Margins.EdgeEnters'
+long_tests+='|^EdgeMidpoint.(Own|OneOf|BallOf)|^NativeProof.(PathsDo|CutsKeep)|^ExtremeTrees|^ExtremeChains.State|^Edge.StepsKeep|^MotionSweeps.NeverAbove|^NativeOptimizer.ComesNear'
 long_tests+='|^SolidMesh.InsideContradicts|/SolidMeshPairs|^Required.ObstacleNearer|^Kernels.LevelDiffers|^EdgeClose.NoEdgeIsFree|^TriTri.SmallIntegers|^ClockCells|^DetectedSolids.Differ|^MovedDepth.ManySmall'
 
 

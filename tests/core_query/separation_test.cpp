@@ -239,7 +239,7 @@ void random_pair( SeededRng& rng, Moving& a, Moving& b )
 TEST( Separation, ExtremePointOutsideOfHull )
 {
 	SeededRng rng;
-	for ( int i = 0; i < unlessSanitized( 600, 100 ); ++i )
+	for ( int i = 0; i < unlessSanitized( 600, 20 ); ++i )
 	{
 		Moving m = random_moving( rng, rng.decade( -3, 1 ), 0, false );
 		m.places.at[0] = lw_transform_identity();
@@ -267,7 +267,7 @@ TEST( Separation, NearIsNotNearOrApartIsNotApart )
 {
 	SeededRng rng;
 	int apart = 0, near = 0, separable = 0, missed = 0;
-	for ( int i = 0; i < unlessSanitized( 1500, 200 ); ++i )
+	for ( int i = 0; i < unlessSanitized( 1500, 40 ); ++i )
 	{
 		Moving a, b;
 		random_pair( rng, a, b );
@@ -309,8 +309,8 @@ TEST( Separation, NearIsNotNearOrApartIsNotApart )
 		}
 	}
 	std::printf( "%d apart, %d near; %d of %d planes missed\n", apart, near, missed, separable );
-	EXPECT_GE( apart, unlessSanitized( 300, 15 ) );
-	EXPECT_GE( near, unlessSanitized( 150, 7 ) );
+	EXPECT_GE( apart, unlessSanitized( 300, 3 ) );
+	EXPECT_GE( near, unlessSanitized( 150, 1 ) );
 	EXPECT_LE( missed, separable / 20 );
 }
 
@@ -318,7 +318,7 @@ TEST( Separation, TwoShapesAreNearerThanTheirPlaneSays )
 {
 	SeededRng rng;
 	int apart = 0, separable = 0, missed = 0;
-	for ( int i = 0; i < unlessSanitized( 1500, 200 ); ++i )
+	for ( int i = 0; i < unlessSanitized( 1500, 40 ); ++i )
 	{
 		Moving a, b;
 		random_pair( rng, a, b );
@@ -349,7 +349,7 @@ TEST( Separation, TwoShapesAreNearerThanTheirPlaneSays )
 		}
 	}
 	std::printf( "%d apart; %d of %d planes missed\n", apart, missed, separable );
-	EXPECT_GE( apart, unlessSanitized( 300, 15 ) );
+	EXPECT_GE( apart, unlessSanitized( 300, 3 ) );
 	EXPECT_LE( missed, separable / 20 );
 }
 
@@ -357,7 +357,7 @@ TEST( Separation, KnownPlaneThatHoldsIsPassedOver )
 {
 	SeededRng rng;
 	int held = 0, none = 0;
-	for ( int i = 0; i < unlessSanitized( 1500, 200 ); ++i )
+	for ( int i = 0; i < unlessSanitized( 1500, 40 ); ++i )
 	{
 		Moving a, b;
 		random_pair( rng, a, b );
@@ -395,6 +395,6 @@ TEST( Separation, KnownPlaneThatHoldsIsPassedOver )
 			}
 		}
 	}
-	EXPECT_GE( held, unlessSanitized( 200, 10 ) );
-	EXPECT_GE( none, unlessSanitized( 200, 10 ) );
+	EXPECT_GE( held, unlessSanitized( 200, 2 ) );
+	EXPECT_GE( none, unlessSanitized( 200, 2 ) );
 }

@@ -48,13 +48,13 @@ void auditWorlds( int count, bool margins )
 
 TEST( EdgeAudit, VerdictsOnRandomRobotsSurviveADenseLook )
 {
-	auditWorlds( unlessSanitized( 100, 40 ), false );
+	auditWorlds( unlessSanitized( 100, 12 ), false );
 }
 
 // The same with margins of links, objects and pairs, which the auditor takes off by itself.
 TEST( EdgeAudit, VerdictsWithMarginsSurviveADenseLook )
 {
-	auditWorlds( unlessSanitized( 60, 20 ), true );
+	auditWorlds( unlessSanitized( 60, 8 ), true );
 }
 
 // An edge that was given up for one pair was UNDECIDED at states in which another pair was in contact.
@@ -62,7 +62,7 @@ TEST( EdgeAudit, UndecidedEdgesNameAStateWithoutContact )
 {
 	SeededRng rng;
 	int undecided = 0;
-	for ( int i = 0; i < unlessSanitized( 80, 20 ); ++i )
+	for ( int i = 0; i < unlessSanitized( 80, 10 ); ++i )
 	{
 		const EdgeWorld world = randomWorld( rng.engine()(), worldOptions( false ) );
 		AuditBench bench( world );
@@ -80,7 +80,7 @@ TEST( EdgeAudit, UndecidedEdgesNameAStateWithoutContact )
 		}
 	}
 	std::printf( "%d undecided\n", undecided );
-	EXPECT_GT( undecided, unlessSanitized( 50, 5 ) );
+	EXPECT_GT( undecided, unlessSanitized( 50, 1 ) );
 }
 
 // The run from the start once took 1,600 times the states of the verdict.
