@@ -30,7 +30,7 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${CMAKE_BINARY_DIR}/core" "${CMAKE_BINARY_DIR}/planners/search"
-  "${CMAKE_BINARY_DIR}/ompl_bridge/src/io" "${CMAKE_BINARY_DIR}/planners/ik" "${CMAKE_BINARY_DIR}/planners/motions" "${CMAKE_BINARY_DIR}/planners/pairs"
+  "${CMAKE_BINARY_DIR}/ompl_bridge/src/io" "${CMAKE_BINARY_DIR}/planners/ik" "${CMAKE_BINARY_DIR}/planners/certify" "${CMAKE_BINARY_DIR}/planners/motions" "${CMAKE_BINARY_DIR}/planners/pairs"
   "${CMAKE_BINARY_DIR}/planners/tune")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 

@@ -4,6 +4,7 @@
 #include "leeway/motions/motion_files.hpp"
 #include "leeway/motions/path_file.hpp"
 #include "motions/report.hpp"
+#include "program/certificate_file.hpp"
 #include "program/page_file.hpp"
 
 #include <fmt/format.h>
@@ -27,6 +28,17 @@ RoundingAudit proveCorners(
 	return auditRoundings( bench.problem(), points, options.corner_blend, def, options.path );
 }
 
+/// @return false: a certificate is wanted, and there is none
+bool writeCertificate( const AuditOptions& options, const Input& input, const io::Problem& problem,
+    const std::vector<std::vector<double>>& points, const AuditSettings& settings, CertificateFile& certificate,
+    std::vector<OutputFile*>& files )
+{
+	const std::vector<double> tolerance = tolerances( problem, "command line", {}, givenTolerances( options.tolerance ) );
+	return certificate.write( problem, input, certify::piecesOf( problem, points ),
+	    { settings.min_d, tolerance, filesOf( options.common, options.path ), settings.flags, settings.time }, options.path,
+	    files );
+}
+
 } // namespace
 
 int runAudit( const AuditOptions& options )
@@ -35,6 +47,7 @@ int runAudit( const AuditOptions& options )
 	const PathFile path = readPath( options.path );
 	readsFile( "--path", options.path );
 	OutputFile report( "--report", options.report ), profile_file( "--profile", options.profile );
+	CertificateFile certificate( options.certificate );
 	ViewFile view( options.view );
 	const Input input = loadInput( options.common, notices );
 	if ( !path.robot.empty() && path.robot != input.robot.name )
@@ -91,6 +104,8 @@ int runAudit( const AuditOptions& options )
 		profile_file.text = profileCsv( audit );
 		files.push_back( &profile_file );
 	}
+	const bool is_certified =
+	    !audit.valid || writeCertificate( options, input, bench.problem(), points, settings, certificate, files );
 	if ( view.isWanted() )
 	{
 		Progress progress( "measuring the motion" );
@@ -103,8 +118,8 @@ int runAudit( const AuditOptions& options )
 		view.write( page, files );
 	}
 	commitTogether( files );
-	printOut( describe( audit, settings, points.size() ) + ( corners ? describe( *corners ) : "" ) );
-	return audit.valid && ( !corners || corners->valid() ) ? exit_yes : exit_no;
+	printOut( describe( audit, settings, points.size() ) + ( corners ? describe( *corners ) : "" ) + certificate.told() );
+	return audit.valid && is_certified && ( !corners || corners->valid() ) ? exit_yes : exit_no;
 }
 
 } // namespace leeway::cli

@@ -210,6 +210,7 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	          ->type_name( "joint_limits.yaml" ) );
 	command->add_option( "--report", options.report, "times, counts, clearances and the audit as JSON" )
 	    ->type_name( "report.json" );
+	addCertificateOption( *command, options.certificate );
 	addViewOption( *command, options.view );
 	std::string details = std::string( plan_help.details ) + "\n\nPlanners:\n";
 	for ( const planners::PlannerEntry& entry : planners::registry() )
@@ -237,10 +238,10 @@ void validate( const AuditOptions& options )
 		wrong( "--path", "a path has no times: --interpolation and --joint-limits are for --trajectory",
 		    "leave them out, or give a timed trajectory" );
 	}
-	if ( path && !blend && !options.tolerance.empty() )
+	if ( path && !blend && options.certificate.empty() && !options.tolerance.empty() )
 	{
-		wrong(
-		    "--tolerance", "states of a path are measured, not proved", "add --corner-blend, or give a timed trajectory" );
+		wrong( "--tolerance", "states of a path are measured, not proved",
+		    "add --corner-blend or --certificate, or give a timed trajectory" );
 	}
 	if ( !path && blend )
 	{
@@ -284,6 +285,7 @@ CLI::App* addAudit( CLI::App& app, AuditOptions& options )
 	    ->type_name( "S" );
 	command->add_option( "--report", options.report, "the audit as JSON" )->type_name( "report.json" );
 	command->add_option( "--profile", options.profile, "measured clearances along it" )->type_name( "FILE.csv" );
+	addCertificateOption( *command, options.certificate );
 	addViewOption( *command, options.view );
 	return command;
 }

@@ -235,6 +235,12 @@ void addViewOption( CLI::App& app, std::string& file )
 	rare( app.add_option( "--view", file, "the result as a page for browsers; see leeway view" )->type_name( "page.html" ) );
 }
 
+void addCertificateOption( CLI::App& app, std::string& file )
+{
+	rare( app.add_option( "--certificate", file, "a proof that check_certificate.py and check_certificate.c check" )
+	          ->type_name( "out.lwc" ) );
+}
+
 void addPictureOptions( CLI::App& app, PictureOptions& options )
 {
 	const std::string picture = "Picture";

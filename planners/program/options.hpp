@@ -125,7 +125,7 @@ struct PlanOptions
 	std::string start, goal;             ///< joint=value,... or the name of a group_state; over those of the request
 	std::vector<std::string> goal_poses; ///< LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW
 	std::string planner;                 ///< empty: Leeway, and SBL for the second half of the time
-	std::string out, report, trajectory, joint_limits, view;
+	std::string out, report, trajectory, joint_limits, certificate, view;
 	double time = 0;           ///< seconds; 0 = the request's allowed_planning_time, else 60
 	double optimize = 0;       ///< seconds for shorter paths after the first
 	double clearance_goal = 0; ///< metres above min_d, up to which the path is pushed away; 0: no
@@ -140,7 +140,7 @@ struct PlanOptions
 struct AuditOptions
 {
 	CommonOptions common;
-	std::string path, report, profile, view;
+	std::string path, report, profile, certificate, view;
 	std::string trajectory, steps, joint_limits, interpolation = "auto";
 	std::vector<std::string> tolerance; ///< VALUE or JOINT=VALUE
 	double corner_blend = 0;            ///< radians or metres; 0: roundings of a path's corners are not proved
@@ -201,6 +201,8 @@ struct CommonNeeds
 
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs );
 void addEdgeOptions( CLI::App& app, EdgeOptions& options );
+/// --certificate: a proof for others to check.
+void addCertificateOption( CLI::App& app, std::string& file );
 /// --view: the page of a result.
 void addViewOption( CLI::App& app, std::string& file );
 void addPictureOptions( CLI::App& app, PictureOptions& options );

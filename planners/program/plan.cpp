@@ -3,6 +3,7 @@
 #include "program/plan_bounds.hpp"
 #include "program/plan_solution.hpp"
 #include "motions/names.hpp"
+#include "program/certificate_file.hpp"
 #include "program/ends.hpp"
 
 #include "leeway/motions/timed.hpp"
@@ -648,19 +649,6 @@ TrajectoryAudit writeTrajectory( const Input& input, const Workbench& bench, con
 	return auditTrajectory( bench.problem(), input.robot, "the path", segments, settings );
 }
 
-void tellWhatIsNotWritten( const Audit& audit, bool good, bool is_driven_free )
-{
-	if ( !good )
-	{
-		tell( "leeway: the path is not valid: {}; it is not written\n",
-		    audit.valid ? "not all of its edges are free" : "the audit found it not valid" );
-	}
-	else if ( !is_driven_free )
-	{
-		tell( "leeway: the trajectory is not proved as it is driven; it is not written\n" );
-	}
-}
-
 /// Tables only save work: a plan that finds none in the cache takes less time without them than they take.
 std::optional<io::ReachOptions> laterTables( Input& input )
 {
@@ -733,6 +721,7 @@ int runPlan( const PlanOptions& options )
 	}
 	OutputFile out( "--out", options.out ), report( "--report", options.report ),
 	    timed( "--trajectory", options.trajectory );
+	CertificateFile certificate( options.certificate );
 	ViewFile view( options.view );
 	Input input = loadInput( options.common, notices );
 	noteUnknownLimits( limits, options.joint_limits, input.robot, limits.notices );
@@ -773,6 +762,9 @@ int runPlan( const PlanOptions& options )
 		out.text = writePath( pathFile( options, input, bench, solution, audit ) );
 		files.push_back( &out );
 	}
+	const bool is_certified =
+	    !good || certificate.write( bench.problem(), input, certify::piecesOf( bench.problem(), solution.points ),
+	                 { options.common.min_d, {}, filesOf( options.common, "" ), settings.flags }, "the path", files );
 	if ( view.isWanted() )
 	{
 		view.write( planPage( options, input, bench, solution, audit ), files );
@@ -785,7 +777,8 @@ int runPlan( const PlanOptions& options )
 	else
 	{
 		// The path itself goes to standard output if no file was named; the summary must not mix with it.
-		const std::string text = summary( options, solution ) + describe( audit, settings, solution.points.size() ) + driven;
+		const std::string text =
+		    summary( options, solution ) + describe( audit, settings, solution.points.size() ) + driven + certificate.told();
 		out.path().empty() ? tell( "{}", text ) : printOut( text );
 		tellWhatIsNotWritten( audit, good, is_driven_free );
 	}
@@ -793,7 +786,7 @@ int runPlan( const PlanOptions& options )
 	{
 		proveTables( options, bench, *tables );
 	}
-	return good && is_driven_free ? exit_yes : exit_no;
+	return good && is_driven_free && is_certified ? exit_yes : exit_no;
 }
 
 } // namespace leeway::cli

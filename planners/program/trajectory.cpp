@@ -3,6 +3,7 @@
 #include "leeway/motions/motion_files.hpp"
 #include "leeway/motions/stage.hpp"
 #include "motions/report.hpp"
+#include "program/certificate_file.hpp"
 #include "program/page_file.hpp"
 
 #include <fmt/format.h>
@@ -79,11 +80,12 @@ std::vector<Tolerance> tolerancesFor( const AuditOptions& options, const io::Pro
 	return out;
 }
 
-/// What a page shows of trajectories of one group that follow one another in one world.
+/// Trajectories of one group that follow one another in one world: a part of the page, or a certificate.
 struct Chapter
 {
 	std::shared_ptr<const io::Problem> problem;
 	std::string name;
+	std::vector<double> tolerance = {}; ///< the largest of the trajectories; empty: none
 	std::vector<Segment> segments = {};
 };
 
@@ -95,7 +97,7 @@ std::string describe( const Step& change )
 	                               change.link, change.object );
 }
 
-/// Drives the trajectories, and keeps what reports and pages show of them.
+/// Drives the trajectories, and keeps them for reports and pages.
 class Driver
 {
 public:
@@ -156,7 +158,7 @@ public:
 	const TrajectoryAudit& whole() const { return m_drive.whole(); }
 	std::string profile = "time,environment,self\n", told;
 	Json steps = Json::array();
-	std::vector<Chapter> chapters; ///< of the page
+	std::vector<Chapter> chapters;
 
 private:
 	void keep( const std::shared_ptr<const io::Problem>& problem, const std::string& file )
@@ -166,6 +168,12 @@ private:
 			chapters.push_back( { problem, m_changes + std::filesystem::path( file ).filename().string() } );
 		}
 		m_changes.clear();
+		std::vector<double>& most = chapters.back().tolerance;
+		most.resize( std::max( most.size(), m_settings.tolerance.size() ), 0 );
+		for ( std::size_t i = 0; i < m_settings.tolerance.size(); ++i )
+		{
+			most[i] = std::max( most[i], m_settings.tolerance[i] );
+		}
 		const std::vector<Segment>& driven = m_drive.segments();
 		chapters.back().segments.insert( chapters.back().segments.end(), driven.begin(), driven.end() );
 	}
@@ -215,6 +223,31 @@ std::vector<PageInput> pagesOf(
 	return pages;
 }
 
+/// @return false: a certificate is wanted, and there is none
+bool writeCertificate( const AuditOptions& options, const Input& input, const Driver& driver, const lw_edge_def& edge,
+    CertificateFile& certificate, std::vector<OutputFile*>& files )
+{
+	if ( options.certificate.empty() )
+	{
+		return true;
+	}
+	if ( driver.chapters.size() != 1 )
+	{
+		throw io::Error( "command line", "--certificate",
+		    fmt::format( "a certificate has one world and one group, and this motion has {}", driver.chapters.size() ),
+		    "audit each part with its own world by --trajectory" );
+	}
+	const Chapter& chapter = driver.chapters.front();
+	const std::string& file = options.steps.empty() ? options.trajectory : options.steps;
+	std::vector<certify::Piece> pieces;
+	for ( const Segment& segment : chapter.segments )
+	{
+		pieces.push_back( { segment.degree, segment.points } );
+	}
+	return certificate.write( *chapter.problem, input, pieces,
+	    { edge.min_d, chapter.tolerance, filesOf( options.common, file ), edge.flags, options.time }, file, files );
+}
+
 } // namespace
 
 int runTrajectoryAudit( const AuditOptions& options )
@@ -228,6 +261,7 @@ int runTrajectoryAudit( const AuditOptions& options )
 		readsFile( "--joint-limits", options.joint_limits );
 	}
 	OutputFile report( "--report", options.report ), profile_file( "--profile", options.profile );
+	CertificateFile certificate( options.certificate );
 	ViewFile view( options.view );
 	const Input input = loadInput( options.common, notices );
 	noteUnknownLimits( settings.limits, options.joint_limits, input.robot, settings.limits.notices );
@@ -273,13 +307,15 @@ int runTrajectoryAudit( const AuditOptions& options )
 		profile_file.text = driver.profile;
 		out.push_back( &profile_file );
 	}
+	const bool is_certified =
+	    !driver.whole().valid() || writeCertificate( options, input, driver, settings.edge, certificate, out );
 	if ( view.isWanted() )
 	{
 		view.write( pagesOf( options, input, driver, settings.edge ), out );
 	}
 	commitTogether( out );
-	printOut( ( options.steps.empty() ? "" : driver.told ) + describe( driver.whole() ) );
-	return driver.whole().valid() ? exit_yes : exit_no;
+	printOut( ( options.steps.empty() ? "" : driver.told ) + describe( driver.whole() ) + certificate.told() );
+	return driver.whole().valid() && is_certified ? exit_yes : exit_no;
 }
 
 } // namespace leeway::cli

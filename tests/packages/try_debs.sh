@@ -59,10 +59,10 @@ step "C by pkg-config: leeway" inside sh -c 'cd /tmp && cc -std=c11 /srv/leeway/
 step "C by pkg-config: leeway-plan" inside sh -c 'cd /tmp && cc -std=c11 /srv/leeway/examples/03_plan/plan.c -o plan $(pkg-config --cflags --libs leeway-plan) && ./plan'
 step "install CMake and the packages that libleeway-dev suggests" inside sh -c 'apt-get -qy --no-install-recommends install cmake ninja-build g++ $( dpkg-query -W -f "\${Suggests}" libleeway-dev | tr -d , )'
 version=$( sed -nE 's/^project\(leeway VERSION ([0-9.]+).*/\1/p' CMakeLists.txt )
-step "C and C++ by CMake: configure" inside cmake -S /srv/leeway/consumer -B /tmp/consumer -G Ninja "-DCOMPONENTS=core;plan;io;ik;motions;pairs;tune;ompl;planners" \
+step "C and C++ by CMake: configure" inside cmake -S /srv/leeway/consumer -B /tmp/consumer -G Ninja "-DCOMPONENTS=core;plan;io;ik;certify;motions;pairs;tune;ompl;planners" \
 	"-DVERSION=$version" -DEXAMPLES=/srv/leeway/examples -DCMAKE_BUILD_TYPE=Release
 step "C and C++ by CMake: build" inside cmake --build /tmp/consumer
-for program in consumer_c consumer_core consumer_plan consumer_plan_c consumer_io consumer_ik consumer_motions consumer_pairs consumer_tune consumer_ompl consumer_planners; do
+for program in consumer_c consumer_core consumer_plan consumer_plan_c consumer_io consumer_ik consumer_certify consumer_motions consumer_pairs consumer_tune consumer_ompl consumer_planners; do
 	step "run $program" inside "/tmp/consumer/$program"
 done
 first=/srv/leeway/examples/first

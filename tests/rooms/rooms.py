@@ -60,6 +60,7 @@ HOUSES = [
     House("planners", [
         ("search", "the libraries leeway::plan and leeway::planners: search trees of joint space, samples, smoothing, OMPL's planners"),
         ("ik", "the library leeway::ik: goal states from poses of links"),
+        ("certify", "the library leeway::certify: certificates of free motions; two checkers that share no code with it"),
         ("motions", "the library leeway::motions: files of paths and trajectories, roundings, audits with limits"),
         ("pairs", "the library leeway::pairs: tables of link pairs, the SRDF made from them; reports on links and obstacles"),
         ("tune", "the library leeway::tune: states and motions that are measured, the settings, the choice"),

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The writer of certificates: motions without one, and the digests that it stores.
+#include "certify/model.hpp"
+#include "files.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+using namespace leeway;
+using namespace leeway::certify;
+
+namespace
+{
+
+std::string hexOf( const std::string& bytes )
+{
+	std::string out;
+	for ( const std::uint8_t byte : sha256( bytes ) )
+	{
+		out += fmt::format( "{:02x}", byte );
+	}
+	return out;
+}
+
+/// An arm that turns about z with a box from 0.1 to 0.5 m, beside a post of 10 cm at 0.4 m in direction `post`, radians.
+class CertifyTest : public FileTest
+{
+protected:
+	void make( double post, const std::string& joint = "revolute" )
+	{
+		robot = io::loadRobot(
+		    write( "arm.urdf",
+		        "<robot name='arm'><link name='base'/><link name='arm'><collision><origin xyz='0.3 0 0'/><geometry><box size='0.4 0.1 "
+		        "0.1'/></geometry></collision></link><joint name='turn' type='" +
+		            joint +
+		            "'><parent link='base'/><child link='arm'/><axis xyz='0 0 1'/>"
+		            "<limit lower='-3' upper='3' effort='1' velocity='1'/></joint></robot>" ),
+		    "" );
+		scene = io::loadScene( write( "scene.yaml",
+		    fmt::format(
+		        "name: s\nworld:\n  collision_objects:\n    - {{id: post, primitives: [{{type: cylinder, dimensions: [1, 0.05]}}], "
+		        "primitive_poses: [{{position: [{}, {}, 0], orientation: [0, 0, 0, 1]}}]}}\n",
+		        0.4 * std::cos( post ), 0.4 * std::sin( post ) ) ) );
+		io::ProblemOptions options;
+		options.scene = &scene;
+		problem = io::buildProblem( robot, options );
+	}
+	void expectError( const std::vector<Piece>& pieces, const std::string& part, const Settings& settings = {} )
+	{
+		try
+		{
+			certify::certify( problem, robot, pieces, settings, "motion.yaml" );
+			ADD_FAILURE() << "no error; expected one with " << part;
+		}
+		catch ( const io::Error& error )
+		{
+			EXPECT_NE( std::string( error.what() ).find( part ), std::string::npos ) << error.what();
+			EXPECT_EQ( error.file(), "motion.yaml" );
+			EXPECT_FALSE( error.remedy().empty() );
+		}
+	}
+
+	io::RobotModel robot;
+	io::SceneModel scene;
+	io::Problem problem;
+};
+
+} // namespace
+
+// FIPS 180-4, and a block that is just full
+TEST( Digest, DiffersFromThePublishedOnes )
+{
+	EXPECT_EQ( hexOf( "" ), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855" );
+	EXPECT_EQ( hexOf( "abc" ), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad" );
+	EXPECT_EQ( hexOf( "abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq" ),
+	    "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1" );
+	EXPECT_EQ( hexOf( std::string( 1000000, 'a' ) ), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0" );
+}
+
+TEST_F( CertifyTest, MotionsThroughTheObstacleGetOne )
+{
+	make( 1.0 );
+	const Certificate made =
+	    certify::certify( problem, robot, piecesOf( problem, { { -1.0 }, { 0.5 } } ), {}, "motion.yaml" );
+	EXPECT_EQ( made.pairs, 1U );
+	EXPECT_GT( made.windows, 1U );
+	EXPECT_LT( made.proof_size, 100U );
+	expectError( piecesOf( problem, { { -1.0 }, { 0.5 }, { 1.5 } } ), "piece 2" );
+	expectError( piecesOf( problem, { { -1.0 }, { 0.5 }, { 1.5 } } ), "arm - post is not farther apart than required" );
+	// A curve whose ends are free and whose middle is not
+	expectError( { { 2, { 0.0, 2.0, 0.0 } } }, "arm - post" );
+	// free without a distance, and without a tolerance
+	Settings far, loose;
+	far.min_d = 0.2;
+	expectError( piecesOf( problem, { { -1.0 }, { 0.5 } } ), "arm - post", far );
+	loose.tolerance = { 0.5 };
+	expectError( piecesOf( problem, { { -1.0 }, { 0.5 } } ), "arm - post is too near", loose );
+}
+
+TEST_F( CertifyTest, MotionsThatTheFormatCannotHoldGetOne )
+{
+	make( 1.0 );
+	expectError( { { 1, { -1.0, 0.0 } }, { 1, { 0.1, 0.2 } } }, "it does not begin where the piece before ends" );
+	expectError( {}, "certificates hold 1 piece or more" );
+	expectError( { { 8, std::vector<double>( 9, 0.0 ) } }, "degree 1 to 7" );
+	expectError( { { 1, { 0.0, NAN } } }, "values of at most 1000" );
+	make( 1.0, "floating" );
+	std::vector<double> from( 7, 0.0 ), to = from;
+	from[6] = to[3] = 1;
+	std::vector<double> points = from;
+	points.insert( points.end(), to.begin(), to.end() );
+	expectError( { { 1, points } }, "certificates cannot hold a floating joint that turns" );
+}
+
+TEST_F( CertifyTest, JointsWithoutEndTurnTheLongWayAround )
+{
+	make( 1.0, "continuous" );
+	const std::vector<Piece> pieces = piecesOf( problem, { { 3.0 }, { -3.0 }, { 3.0 } } );
+	ASSERT_EQ( pieces.size(), 2U );
+	EXPECT_NEAR( pieces[0].points[1], 6.283185307179586 - 3, 1e-12 );
+	EXPECT_NEAR( pieces[1].points[0], 6.283185307179586 - 3, 1e-12 );
+	EXPECT_NEAR( pieces[1].points[1], 3, 1e-12 );
+}
