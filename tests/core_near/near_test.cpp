@@ -186,6 +186,36 @@ TEST_P( NearWorlds, MemoryOfEarlierStatesChangesNoRow )
 	}
 }
 
+/// As a controller: small steps, turns, and now and then a jump.
+TEST_P( NearWorlds, AStaleBoundMissesNoPair )
+{
+	std::vector<double> q = randomGroupState( world, rng ), step( q.size() );
+	lw_near_def def = lw_near_def_default();
+	leeway::Query cold = queryOf( checker, false );
+	for ( int i = 0; i < 240; ++i )
+	{
+		if ( i % 80 == 0 )
+		{
+			q = randomGroupState( world, rng );
+		}
+		def.distance = i % 7 == 0 ? 0.3 : 0.2;
+		const double speed = rng.decade( -4, -2 );
+		for ( std::size_t k = 0; k < q.size(); ++k )
+		{
+			step[k] = i % 40 == 0 ? rng.uniform( -1, 1 ) : step[k];
+			q[k] += speed * step[k];
+		}
+		const NearRows a = nearPairs( checker, query.get(), q, def ), b = nearPairs( checker, cold.get(), q, def );
+		ASSERT_EQ( b.total, a.total );
+		for ( std::size_t k = 0; k < a.rows.size(); ++k )
+		{
+			ASSERT_EQ( a.rows[k].clearance.kind, b.rows[k].clearance.kind );
+			ASSERT_NEAR( a.rows[k].clearance.upper, b.rows[k].clearance.upper, 1e-11 );
+			ASSERT_NEAR( a.rows[k].clearance.lower, b.rows[k].clearance.lower, 1e-11 );
+		}
+	}
+}
+
 INSTANTIATE_TEST_SUITE_P( Random, NearWorlds, testing::Range( 0, 24 ) );
 
 TEST( Near, BadArgumentsReadAsNoClearance )

@@ -313,6 +313,56 @@ static void point_and_primitive( const lwi_pair* pair, lwi_bounds* bounds )
 	bounds->iterations = 1;
 }
 
+/// Other corners are behind the nearest one by this sine at least, seen from the primitive.
+#define CLEAR 0x1p-20
+/// Distances below this share of the extent have no direction that is good enough.
+#define LEAST_DISTANCE 0x1p-24
+
+/// A triangle that is nearest to a primitive at a corner, with room for rounding. False if it is not; nothing is written then.
+static bool corner_and_primitive( const lwi_pair* pair, lwi_bounds* bounds )
+{
+	const bool corner_is_b = pair->b.type == LWI_CONVEX_TRIANGLE;
+	const lwi_support_map* triangle = corner_is_b ? &pair->b : &pair->a;
+	const lwi_convex primitive = primitive_of( corner_is_b ? &pair->a : &pair->b );
+	const lw_vec3 t = lwi_load( pair->place.t );
+	lw_vec3 corner[3], closest[3]; // the primitive's frame
+	double distance[3];
+	int near = 0;
+	for ( int i = 0; i < 3; ++i )
+	{
+		corner[i] = corner_is_b ? lwi_transform( &pair->place, triangle->vertex[i] )
+								: lwi_unrotate( &pair->place, lwi_sub( triangle->vertex[i], t ) );
+		distance[i] = lwi_convex_point_distance( &primitive, corner[i], &closest[i] );
+		near = distance[i] < distance[near] ? i : near;
+	}
+	if ( !( distance[near] > LEAST_DISTANCE * pair->extent ) )
+	{
+		return false;
+	}
+	const lw_vec3 out = lwi_sub( corner[near], closest[near] );
+	for ( int i = 0; i < 3; ++i )
+	{
+		const lw_vec3 edge = lwi_sub( corner[i], corner[near] );
+		const double height = lwi_dot( out, edge );
+		if ( !( height >= 0 && height * height >= CLEAR * CLEAR * lwi_length_sq( out ) * lwi_length_sq( edge ) ) )
+		{
+			return false;
+		}
+	}
+	bounds->point_a = corner_is_b ? closest[near] : triangle->vertex[near];
+	bounds->point_b = corner_is_b ? corner[near] : lwi_transform( &pair->place, closest[near] );
+	bounds->upper = lwi_distance( bounds->point_a, bounds->point_b );
+	bounds->lower = bounds->upper - LWI_CONVEX_ROUNDING * pair->extent;
+	bounds->iterations = 1;
+	return true;
+}
+
+static bool is_corner_candidate( const lwi_pair* pair )
+{
+	return ( pair->a.type == LWI_CONVEX_TRIANGLE && is_primitive( &pair->b ) ) ||
+		   ( is_primitive( &pair->a ) && pair->b.type == LWI_CONVEX_TRIANGLE );
+}
+
 /// The interval to reach. Polytopes end within rounding by themselves mostly, and meshes have to; for curved pieces each further
 /// digit is two iterations.
 static double width_of( const lwi_pair* pair )
@@ -341,6 +391,7 @@ lw_vec3 lwi_convex_pair( const lwi_convex* a, const lwi_convex* b, const lw_tran
 lwi_convex_result lwi_pair_distance( lwi_pair* pair, lw_vec3 origin_a, double enough, double stop_above, double stop_below )
 {
 	lwi_bounds bounds = { -INFINITY, INFINITY, { 0.0, 0.0, 0.0 }, lwi_load( pair->place.t ), 0 };
+	bool at_corner = false;
 	if ( pair->a.type == LWI_CONVEX_TRIANGLE && pair->b.type == LWI_CONVEX_TRIANGLE )
 	{
 		triangles( pair, &bounds );
@@ -348,6 +399,10 @@ lwi_convex_result lwi_pair_distance( lwi_pair* pair, lw_vec3 origin_a, double en
 	else if ( ( is_point( &pair->a ) && is_primitive( &pair->b ) ) || ( is_primitive( &pair->a ) && is_point( &pair->b ) ) )
 	{
 		point_and_primitive( pair, &bounds );
+	}
+	else if ( is_corner_candidate( pair ) && corner_and_primitive( pair, &bounds ) )
+	{
+		at_corner = true;
 	}
 	else
 	{
@@ -365,8 +420,8 @@ lwi_convex_result lwi_pair_distance( lwi_pair* pair, lw_vec3 origin_a, double en
 	}
 	// Lower may exceed upper where both are the distance to rounding
 	return ( lwi_convex_result ){ lwi_clamp( bounds.lower, 0.0, bounds.upper ), bounds.upper,
-		lwi_add( bounds.point_a, origin_a ), lwi_add( bounds.point_b, origin_a ), bounds.iterations, pair->a.last,
-		pair->b.last };
+		lwi_add( bounds.point_a, origin_a ), lwi_add( bounds.point_b, origin_a ), bounds.iterations, at_corner,
+		pair->a.last, pair->b.last };
 }
 
 lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b,

@@ -47,6 +47,7 @@ typedef struct lwi_convex_result
 	double lower, upper;
 	lw_vec3 point_a, point_b;
 	uint32_t iterations;
+	bool at_corner;              ///< of a triangle, by a closed form
 	uint32_t vertex_a, vertex_b; ///< of convex meshes: a vertex that is foremost, or nearly
 } lwi_convex_result;
 

@@ -51,6 +51,17 @@ void lwi_box_leaf_spheres( const lwi_box_leaf* leaf, lwi_node* spheres )
 	}
 }
 
+// --- the front -------------------------------------------------------------------------------------------------------
+
+/// Notes the gaps of lanes that were dropped, if there is a front.
+static void note_lanes( lwi_searching* s, uint32_t part, uint32_t dropped, const float gap[LWI_WIDTH] )
+{
+	if ( s->front != NULL )
+	{
+		lwi_front_note_lanes( s->front, part, dropped, gap );
+	}
+}
+
 // --- triangles against triangles -------------------------------------------------------------------------------------
 
 void lwi_flush_batch( lwi_searching* s )
@@ -64,8 +75,13 @@ void lwi_flush_batch( lwi_searching* s )
 	batch->count = 0;
 	float gap[LWI_WIDTH];
 	// lanes from `used` on are stale pairs of an earlier batch
-	uint32_t mask = s->kernels->triangle_gap( batch->a, batch->b, s->limit, gap ) & lwi_low_bits( used );
+	const float limit = s->front != NULL ? s->limit + (float)s->front->ahead : s->limit;
+	uint32_t mask = s->kernels->triangle_gap( batch->a, batch->b, limit, gap ) & lwi_low_bits( used );
 	s->memory->stats.triangle_tests += used;
+	for ( uint32_t lane = 0; s->front != NULL && lane < used; ++lane )
+	{
+		lwi_front_note( s->front, batch->part[lane], gap[lane] );
+	}
 	uint32_t lanes[LWI_WIDTH];
 	uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
 	for ( uint32_t i = 0; i < count && !s->bound->done; ++i )
@@ -78,9 +94,11 @@ void lwi_flush_batch( lwi_searching* s )
 	}
 }
 
-static void add_to_batch( lwi_searching* s, const lwi_leaf* a, uint32_t lane_a, lwi_triangles8 b, uint32_t lane_b,
-	uint32_t triangle_b )
+/// @param e leaves a and b @param b their triangles in a's frame, of which lane `moved` is lane_b
+static void add_to_batch( lwi_searching* s, const lwi_entry* e, uint32_t lane_a, lwi_triangles8 b, uint32_t moved,
+	uint32_t lane_b )
 {
+	const lwi_leaf* a = &s->a->leaves[lwi_ref_index( e->side[LWI_A].ref )];
 	lwi_batch* batch = &s->memory->batch;
 	uint32_t at = batch->count++;
 	for ( int vertex = 0; vertex < 3; ++vertex )
@@ -88,11 +106,16 @@ static void add_to_batch( lwi_searching* s, const lwi_leaf* a, uint32_t lane_a, 
 		for ( int axis = 0; axis < 3; ++axis )
 		{
 			batch->a[vertex][axis][at] = a->v[vertex][axis][lane_a];
-			batch->b[vertex][axis][at] = b[vertex][axis][lane_b];
+			batch->b[vertex][axis][at] = b[vertex][axis][moved];
 		}
 	}
 	batch->triangle_a[at] = a->triangle[lane_a];
-	batch->triangle_b[at] = triangle_b;
+	batch->triangle_b[at] = s->b->leaves[lwi_ref_index( e->side[LWI_B].ref )].triangle[lane_b];
+	if ( s->front != NULL )
+	{
+		batch->part[at] =
+			lwi_front_add( s->front, e->side[LWI_A].obb, e->side[LWI_B].obb, LWI_FRONT_PAIR | lane_a * LWI_WIDTH | lane_b );
+	}
 	if ( batch->count == LWI_WIDTH )
 	{
 		lwi_flush_batch( s );
@@ -133,8 +156,26 @@ static void project_leaves( lwi_searching* s, const lwi_leaf* a, const lwi_leaf*
 	}
 }
 
+/// Notes the widest slabs of a triangle of a, `i`, and those of b that they dropped.
+static void note_slabs( lwi_searching* s, uint32_t part, const float high_a[3][LWI_WIDTH], const float low_b[3][LWI_WIDTH],
+	uint32_t slabs, uint32_t i, uint32_t dropped )
+{
+	float widest[LWI_WIDTH];
+	for ( int j = 0; j < LWI_WIDTH; ++j )
+	{
+		const float first = low_b[0][j] - high_a[0][i], second = low_b[1][j] - high_a[1][i];
+		widest[j] = first > second ? first : second;
+	}
+	for ( int j = 0; slabs > 2 && j < LWI_WIDTH; ++j )
+	{
+		const float third = low_b[2][j] - high_a[2][i];
+		widest[j] = third > widest[j] ? third : widest[j];
+	}
+	lwi_front_note_lanes( s->front, part, dropped, widest );
+}
+
 /// All triangle pairs of two leaves: spheres against triangles, then two slabs common to all pairs, then the batch.
-static void compare_triangles( lwi_searching* s, lwi_entry* e )
+static void compare_triangles( lwi_searching* s, lwi_entry* e, uint32_t part )
 {
 	const lwi_leaf* a = &s->a->leaves[lwi_ref_index( e->side[LWI_A].ref )];
 	const lwi_leaf* b = &s->b->leaves[lwi_ref_index( e->side[LWI_B].ref )];
@@ -153,6 +194,10 @@ static void compare_triangles( lwi_searching* s, lwi_entry* e )
 		}
 		if ( low - high >= s->limit )
 		{
+			if ( s->front != NULL )
+			{
+				lwi_front_note( s->front, part, low - high );
+			}
 			return;
 		}
 		slabs = 3;
@@ -168,12 +213,14 @@ static void compare_triangles( lwi_searching* s, lwi_entry* e )
 		s->guess_gap = gap_a[nearest];
 		lwi_set_direction( s, lwi_v3( 0, 0, 0 ), lwi_v3( (double)along[0], (double)along[1], (double)along[2] ) );
 	}
+	note_lanes( s, part, lwi_low_bits( count_a ) & ~mask_a, gap_a );
 	if ( mask_a == 0 )
 	{
 		return;
 	}
 	lwi_other_sphere( s, e, LWI_B, sphere );
 	uint32_t mask_b = s->kernels->leaf_gap( b, sphere, s->limit, gap_b, direction_b ) & lwi_low_bits( count_b );
+	note_lanes( s, part, lwi_low_bits( count_b ) & ~mask_b, gap_b );
 	if ( mask_b == 0 )
 	{
 		return;
@@ -196,6 +243,11 @@ static void compare_triangles( lwi_searching* s, lwi_entry* e )
 		uint32_t i = lwi_lowest_bit( mask_a );
 		float high[3] = { high_a[0][i], high_a[1][i], slabs > 2 ? high_a[2][i] : 0 };
 		uint32_t mask = s->kernels->slab_gap( (const float( * )[LWI_WIDTH])low_b, high, s->limit, slabs ) & mask_b;
+		if ( s->front != NULL && mask != mask_b )
+		{
+			note_slabs( s, part, (const float( * )[LWI_WIDTH])high_a, (const float( * )[LWI_WIDTH])low_b, slabs, i,
+				mask_b & ~mask );
+		}
 		if ( mask != 0 && !have_moved )
 		{
 			s->kernels->leaf_transform( b, &s->from_other[LWI_A], moved );
@@ -204,9 +256,26 @@ static void compare_triangles( lwi_searching* s, lwi_entry* e )
 		for ( ; mask != 0; mask &= mask - 1 )
 		{
 			uint32_t j = lwi_lowest_bit( mask );
-			add_to_batch( s, a, i, moved, j, b->triangle[j] );
+			add_to_batch( s, e, i, moved, j, j );
 		}
 	}
+}
+
+void lwi_compare_again( lwi_searching* s, const lwi_entry* e, uint32_t lane_a, uint32_t lane_b )
+{
+	const lwi_leaf* b = &s->b->leaves[lwi_ref_index( e->side[LWI_B].ref )];
+	lwi_triangles8 moved;
+	for ( int k = 0; k < 3; ++k )
+	{
+		const float v[3] = { b->v[k][0][lane_b], b->v[k][1][lane_b], b->v[k][2][lane_b] };
+		float out[3];
+		lwi_move_center( &s->from_other[LWI_A], v, out );
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			moved[k][axis][0] = out[axis];
+		}
+	}
+	add_to_batch( s, e, lane_a, moved, 0, lane_b );
 }
 
 // --- anything else ---------------------------------------------------------------------------------------------------
@@ -228,7 +297,7 @@ static void measure_lanes( lwi_searching* s, bool one_is_a, uint32_t one, const 
 }
 
 /// Balls, or the spheres around boxes, one by one against the items of the other leaf.
-static void compare_spheres( lwi_searching* s, lwi_entry* e, bool spheres_are_a )
+static void compare_spheres( lwi_searching* s, lwi_entry* e, bool spheres_are_a, uint32_t part )
 {
 	const int my_side = spheres_are_a ? LWI_A : LWI_B, other_side = 1 - my_side;
 	const lw_shape *mine = lwi_shape_of( s, my_side ), *other = lwi_shape_of( s, other_side );
@@ -237,7 +306,9 @@ static void compare_spheres( lwi_searching* s, lwi_entry* e, bool spheres_are_a 
 	float sphere[4], gap[LWI_WIDTH], inner[LWI_WIDTH], direction[3][LWI_WIDTH];
 	lwi_other_sphere( s, e, my_side, sphere );
 	uint32_t lanes[LWI_WIDTH];
-	uint32_t count = lwi_sorted_lanes( gap, lwi_leaf_mask( s, mine, my_leaf, sphere, gap, direction ), lanes );
+	const uint32_t near = lwi_leaf_mask( s, mine, my_leaf, sphere, gap, direction );
+	note_lanes( s, part, lwi_low_bits( lwi_ref_count( my_leaf ) ) & ~near, gap );
+	uint32_t count = lwi_sorted_lanes( gap, near, lanes );
 	lwi_node around;
 	const lwi_node* spheres = &around;
 	if ( mine->family == LWI_BALLS )
@@ -253,12 +324,14 @@ static void compare_spheres( lwi_searching* s, lwi_entry* e, bool spheres_are_a 
 		uint32_t lane = lanes[i];
 		if ( gap[lane] >= s->limit )
 		{
-			return;
+			note_lanes( s, part, 1u << lane, gap );
+			continue;
 		}
 		const float center[3] = { spheres->x[lane], spheres->y[lane], spheres->z[lane] };
 		lwi_move_center( other_from_mine, center, sphere );
 		sphere[3] = spheres->r[lane];
 		uint32_t mask = lwi_leaf_mask( s, other, other_leaf, sphere, inner, direction );
+		note_lanes( s, part, lwi_low_bits( lwi_ref_count( other_leaf ) ), inner );
 		if ( mask != 0 )
 		{
 			measure_lanes( s, spheres_are_a, lwi_leaf_item( mine, my_leaf, lane ), other, other_leaf, inner, mask );
@@ -358,12 +431,12 @@ static void compare_boxes( lwi_searching* s, lwi_entry* e, bool triangles_are_a 
 	}
 }
 
-void lwi_compare_leaves( lwi_searching* s, lwi_entry* e )
+void lwi_compare_leaves( lwi_searching* s, lwi_entry* e, uint32_t part )
 {
 	lwi_family a = s->a->family, b = s->b->family;
 	if ( a == LWI_TRIANGLES && b == LWI_TRIANGLES )
 	{
-		compare_triangles( s, e );
+		compare_triangles( s, e, part );
 		// the first finds are flushed at once: a low bound early is worth more than full lanes
 		if ( s->memory->batch.count >= LWI_WIDTH / 2 || s->bound->upper == INFINITY )
 		{
@@ -374,7 +447,7 @@ void lwi_compare_leaves( lwi_searching* s, lwi_entry* e )
 	s->memory->stats.leaf_tests++;
 	if ( a == LWI_BALLS || b == LWI_BALLS )
 	{
-		compare_spheres( s, e, a == LWI_BALLS );
+		compare_spheres( s, e, a == LWI_BALLS, part );
 	}
 	else if ( a == LWI_TRIANGLES || b == LWI_TRIANGLES )
 	{
@@ -382,6 +455,6 @@ void lwi_compare_leaves( lwi_searching* s, lwi_entry* e )
 	}
 	else
 	{
-		compare_spheres( s, e, true );
+		compare_spheres( s, e, true, part );
 	}
 }

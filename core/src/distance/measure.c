@@ -76,7 +76,7 @@ static void measure_triangles( lwi_searching* s, uint32_t item_a, uint32_t item_
 		return;
 	}
 	lwi_offer_items( s, shared.distance - s->error, shared.distance, shared.point_a, shared.point_b, item_a, item_b );
-	if ( s->shared.count_a == 0 || shared.distance <= s->shared.distance )
+	if ( !s->shared.known || shared.distance <= s->shared.distance )
 	{
 		s->shared = shared;
 	}
@@ -124,10 +124,14 @@ static void measure_convex( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 	// and a distance is near enough if it stays a violation without radii and margin; subtracting them rounds
 	double stop_below = ( s->bound->range.min_d + radii ) * ( 1 - 8 * LWI_U64 );
 	// a distance is far enough to stop if it is at least cutoff after subtracting the error
-	double stop_above = s->bound->cutoff + radii + 2 * s->error;
+	double stop_above = s->bound->cutoff + radii + 2 * s->error + ( s->front != NULL ? s->front->ahead : 0 );
 	lwi_convex_result r = lwi_convex_distance( &a, &b, &place, stop_above, stop_below );
 	lwi_offer_items( s, r.lower - s->error, r.upper, lwi_add( r.point_a, center_a ), lwi_add( r.point_b, center_a ), item_a,
 		item_b );
+	if ( r.at_corner )
+	{
+		lwi_shared_corner_find( s, item_a, item_b, r.upper, r.point_a, r.point_b );
+	}
 }
 
 /// Points of a piece that are lowest and highest above a plane.
@@ -216,7 +220,7 @@ static void measure_unbounded( lwi_searching* s, uint32_t item_a, uint32_t item_
 void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 {
 	lwi_family a = s->a->family, b = s->b->family;
-	if ( s->shared.count_a > 0 && lwi_shared_feature_holds( s, item_a, item_b ) )
+	if ( s->shared.known && lwi_shared_feature_holds( s, item_a, item_b ) )
 	{
 		return; // offered already
 	}

@@ -8,6 +8,7 @@
 #include "distance/convex.h"
 #include "base/math_inline.h"
 #include "distance/distance.h"
+#include "distance/front.h"
 #include "distance/separation.h"
 
 #include <string.h>
@@ -48,6 +49,7 @@ typedef struct lwi_entry
 	lwi_subtree side[2];
 	float moved[3];      ///< centre of one side in the tree frame of the other
 	uint32_t moved_side; ///< that side; LW_INVALID_INDEX: none
+	uint32_t part;       ///< of the front, one of whose lanes it is; LW_INVALID_INDEX: none
 } lwi_entry;
 
 /// Triangle pairs waiting for the float filter.
@@ -55,6 +57,7 @@ typedef struct lwi_batch
 {
 	lwi_triangles8 a, b; ///< a's tree frame
 	uint32_t triangle_a[LWI_WIDTH], triangle_b[LWI_WIDTH];
+	uint32_t part[LWI_WIDTH]; ///< of the front, if there is one
 	uint32_t count;
 } lwi_batch;
 
@@ -69,6 +72,7 @@ struct lwi_search_memory
 	lwi_cached_axis axis_cache[1 << LWI_AXIS_CACHE_BITS]; ///< planes that separated pairs of shapes, by a hash
 	lw_query_def def;
 	const lwi_kernels* kernels;
+	lwi_front* front; ///< of the search that begins next; NULL: none
 	lw_query_stats stats;
 	lw_status failure; ///< status of the last deferred mesh that could not be made; LW_OK if the last call has an answer
 };
@@ -81,10 +85,11 @@ struct lwi_search_memory
 /// By how much the distance of a corner to a corner or edge may exceed that of the triangles it is taken for.
 #define LWI_SHARED_ERROR ( 4.0 * LWI_U64 )
 
-/// The corners that are nearest: one of each shape, or one and the two of an edge.
+/// The corners that are nearest: one of each shape, or one and the two of an edge; of a mesh and a primitive one of the mesh.
 typedef struct lwi_shared_feature
 {
-	uint32_t count_a, count_b;        ///< count_a = 0: none is known
+	bool known;
+	uint32_t count_a, count_b;
 	uint32_t a[2], b[2];              ///< vertices
 	lw_vec3 direction_a, direction_b; ///< unit, each in its shape's frame: from it to the other
 	double distance;
@@ -101,6 +106,7 @@ typedef struct lwi_searching
 	const lw_transform* a_from_b; ///< shape frames, double
 	lwi_motion from_other[2];     ///< of each side: its tree frame from that of the other
 	lwi_bound* bound;
+	lwi_front* front; ///< NULL: none
 	double radii; ///< dilation that the trees do not contain: of capsules, and the margin of the pair
 	double slack; ///< metres: largest excess of a float gap over the true one
 	double error; ///< metres: largest error of a distance in double
@@ -229,6 +235,9 @@ lwi_walk lwi_walk_begin( lwi_searching* s );
 /// @return false if it did; else the search is done
 bool lwi_walk_trees( lwi_searching* s, lwi_walk* walk, bool look );
 
+/// The same from the front of a search before.
+void lwi_walk_front( lwi_searching* s, lwi_walk* walk );
+
 /// Of a walk that resumes after another pair was searched: planes are searched for again.
 void lwi_walk_again( lwi_walk* walk );
 
@@ -291,11 +300,16 @@ void lwi_note_tie_of_bodies( lwi_searching* s );
 
 /// The nearest corners, if two measured triangles are nearest at one corner of each, or at a corner and an edge.
 /// @param a, b the corners in a's shape frame
-/// @return false if it is anything else; out->count_a is 0 then
+/// @return false if it is anything else; *out is not known then
 bool lwi_shared_feature_find( const lwi_searching* s, uint32_t item_a, uint32_t item_b, const lw_vec3 a[3],
 	const lw_vec3 b[3], double distance, lw_vec3 point_a, lw_vec3 point_b, lwi_shared_feature* out );
 
-/// True if two triangles have the distance of s->shared, which is set, to the last digit.
+/// Sets s->shared after a triangle and a primitive were measured by a closed form for its corner, the primitive's nearest point
+/// included. @param point_a, point_b a's shape frame
+void lwi_shared_corner_find( lwi_searching* s, uint32_t item_a, uint32_t item_b, double distance, lw_vec3 point_a,
+	lw_vec3 point_b );
+
+/// True if two triangles, or one and a primitive, have the distance of s->shared, which is known, to the last digit.
 bool lwi_shared_feature_holds( const lwi_searching* s, uint32_t item_a, uint32_t item_b );
 
 // --- distance/optimality_slab.c -------------------------------------------------------------------------------------------------
@@ -319,7 +333,11 @@ uint32_t lwi_leaf_item( const lw_shape* shape, lwi_ref leaf, uint32_t lane );
 void lwi_box_leaf_spheres( const lwi_box_leaf* leaf, lwi_node* spheres );
 
 /// All pairs of items of two leaves; triangle pairs may wait in the query's batch.
-void lwi_compare_leaves( lwi_searching* s, lwi_entry* e );
+/// @param part of the front, if there is one: gets the gap of the two leaves
+void lwi_compare_leaves( lwi_searching* s, lwi_entry* e, uint32_t part );
+
+/// One triangle each of two leaves waits in the query's batch. For a front.
+void lwi_compare_again( lwi_searching* s, const lwi_entry* e, uint32_t lane_a, uint32_t lane_b );
 
 /// Filters the waiting triangle pairs and measures the rest, most promising first.
 void lwi_flush_batch( lwi_searching* s );

@@ -107,6 +107,19 @@ static bool wait_for_others( lwi_searching* s, const lwi_walk* walk )
 	return true;
 }
 
+/// Begins the front of a search, if one is asked for. Sets of boxes have none.
+static void begin_front( lwi_searching* s )
+{
+	const bool boxes = s->a->family == LWI_BOXES || s->b->family == LWI_BOXES;
+	if ( s->memory->front != NULL && !boxes && s->bound->ties == NULL )
+	{
+		s->front = s->memory->front;
+		s->front->whole = true;
+		s->front->count = 0;
+		s->front->offset = s->front->moved - s->slack;
+	}
+}
+
 static void end_search( lwi_searching* s )
 {
 	if ( lwi_is_filled( s->bound, s->a ) || lwi_is_filled( s->bound, s->b ) )
@@ -131,7 +144,8 @@ static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_
 		return;
 	}
 	memory->stats.queries++;
-	if ( memory->def.planes && lwi_boxes_are_apart( a, b, a_from_b, bound ) )
+	const bool resumes = memory->front != NULL && memory->front->old_count > 0; // then the boxes were not
+	if ( memory->def.planes && !resumes && lwi_boxes_are_apart( a, b, a_from_b, bound ) )
 	{
 		return; // so nothing is inside of the other either
 	}
@@ -143,10 +157,18 @@ static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_
 	if ( a->primitive && b->primitive )
 	{
 		lwi_measure_items( &s, LW_INVALID_INDEX, LW_INVALID_INDEX );
+		end_search( &s );
+		return;
 	}
-	else if ( a->primitive || b->primitive )
+	begin_front( &s );
+	if ( a->primitive || b->primitive )
 	{
 		lwi_search_primitive( &s );
+	}
+	else if ( s.front != NULL && s.front->old_count > 0 )
+	{
+		lwi_walk walk = lwi_walk_begin( &s );
+		lwi_walk_front( &s, &walk );
 	}
 	else
 	{
@@ -215,22 +237,18 @@ void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* 
 	a = lwi_shape_now( a );
 	b = lwi_shape_now( b );
 	const bool a_counts = a->primitive || item_a < a->item_count, b_counts = b->primitive || item_b < b->item_count;
-	if ( memory->def.planes && ( a->convex != NULL || b->convex != NULL || ( a_counts && b_counts ) ) )
+	lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
+	if ( memory->def.planes && ( a->convex != NULL || b->convex != NULL || ( a_counts && b_counts ) ) &&
+		 lwi_search_convex( &s ) )
 	{
-		lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
-		if ( lwi_search_convex( &s ) )
-		{
-			return; // as a search has it, at the cost of two triangles
-		}
+		return; // as a search has it, at the cost of two triangles
 	}
 	if ( a_counts && b_counts )
 	{
-		lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
 		lwi_measure_items( &s, item_a, item_b );
 	}
 	else if ( a->closed || b->closed )
 	{
-		lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
 		lwi_measure_inside( &s, item_a, item_b );
 	}
 }

@@ -74,7 +74,7 @@ static bool foot_on( lw_vec3 p, lw_vec3 from, lw_vec3 to, lw_vec3* foot )
 bool lwi_shared_feature_find( const lwi_searching* s, uint32_t item_a, uint32_t item_b, const lw_vec3 a[3],
 	const lw_vec3 b[3], double distance, lw_vec3 point_a, lw_vec3 point_b, lwi_shared_feature* out )
 {
-	out->count_a = 0;
+	out->known = false;
 	double lengths = s->error / LWI_EXACT_ERROR;
 	if ( s->a->indices == NULL || s->b->indices == NULL || !( distance > LEAST_DISTANCE * lengths ) )
 	{
@@ -105,6 +105,7 @@ bool lwi_shared_feature_find( const lwi_searching* s, uint32_t item_a, uint32_t 
 	{
 		return false;
 	}
+	out->known = true;
 	out->count_a = count_a;
 	out->count_b = count_b;
 	out->point_a = p;
@@ -143,9 +144,39 @@ static bool shares( const lw_shape* shape, uint32_t item, const uint32_t corner[
 	return true;
 }
 
+void lwi_shared_corner_find( lwi_searching* s, uint32_t item_a, uint32_t item_b, double distance, lw_vec3 point_a,
+	lw_vec3 point_b )
+{
+	const bool a_is_mesh = s->b->primitive;
+	const lw_shape* mesh = a_is_mesh ? s->a : s->b;
+	const double lengths = s->error / LWI_EXACT_ERROR;
+	if ( mesh->indices == NULL || ( s->shared.known && distance > s->shared.distance ) )
+	{
+		return;
+	}
+	const lw_vec3 across = lwi_scale( 1 / distance, lwi_sub( point_b, point_a ) );
+	const lw_vec3 at = a_is_mesh ? point_a : lwi_untransform( s->a_from_b, point_b );
+	const uint32_t* index = mesh->indices + 3 * (size_t)( a_is_mesh ? item_a : item_b );
+	for ( int i = 0; i < 3; ++i )
+	{
+		if ( lwi_length_sq( lwi_sub( corner_of( mesh, index[i] ), at ) ) <= NEAR * lengths * NEAR * lengths )
+		{
+			s->shared = ( lwi_shared_feature ){ .known = true,
+				.count_a = 1,
+				.count_b = 1,
+				.a = { index[i] },
+				.b = { index[i] },
+				.direction_a = across,
+				.direction_b = lwi_scale( -1, lwi_unrotate( s->a_from_b, across ) ),
+				.distance = distance };
+			return;
+		}
+	}
+}
+
 bool lwi_shared_feature_holds( const lwi_searching* s, uint32_t item_a, uint32_t item_b )
 {
 	const lwi_shared_feature* shared = &s->shared;
-	return shares( s->a, item_a, shared->a, shared->count_a, shared->direction_a ) &&
-		   shares( s->b, item_b, shared->b, shared->count_b, shared->direction_b );
+	return ( s->a->primitive || shares( s->a, item_a, shared->a, shared->count_a, shared->direction_a ) ) &&
+		   ( s->b->primitive || shares( s->b, item_b, shared->b, shared->count_b, shared->direction_b ) );
 }

@@ -38,22 +38,33 @@ static lwi_obb obb_of( const lw_shape* shape, uint32_t place, const lwi_motion* 
 	return out;
 }
 
-/// Replaces one side by its children; the nearest ends on top of the stack. Returns the new stack height.
-static inline uint32_t open_side( lwi_searching* s, lwi_entry* e, int side, uint32_t height )
+/// Replaces one side by its children, or some of them; the nearest ends on top of the stack. Returns the new stack height.
+static inline uint32_t open_side( lwi_searching* s, lwi_entry* e, int side, uint32_t lanes_to_open, uint32_t height )
 {
 	const lw_shape* shape = lwi_shape_of( s, side );
 	const lwi_ref ref = e->side[side].ref;
 	const lwi_node* node = &shape->nodes[ref];
 	float sphere[4], gap[LWI_WIDTH];
 	lwi_other_sphere( s, e, side, sphere );
-	uint32_t mask = s->kernels->sphere_gap( node->x, sphere, s->limit, gap );
+	uint32_t mask = s->kernels->sphere_gap( node->x, sphere, s->limit, gap ) & lanes_to_open;
 	s->memory->stats.node_tests++;
+	uint32_t part = LW_INVALID_INDEX;
+	if ( s->front != NULL )
+	{
+		part = lwi_front_add( s->front, e->side[LWI_A].obb, e->side[LWI_B].obb, side == LWI_B ? LWI_FRONT_SIDE : 0 );
+		lwi_front_drop( s->front, part, lanes_to_open & ~mask, gap );
+	}
 	if ( mask != 0 && s->obbs )
 	{
+		const uint32_t left = mask;
 		lwi_obb other = obb_of( lwi_shape_of( s, 1 - side ), e->side[1 - side].obb, &s->from_other[side], sphere );
 		const float* d = s->direction[side];
 		const float sign = side == LWI_A ? 1.0f : -1.0f, along[3] = { sign * d[0], sign * d[1], sign * d[2] };
 		mask &= s->kernels->obb_gap( node, &shape->obbs[ref], &other, s->has_direction ? along : NULL, s->limit, gap );
+		if ( s->front != NULL )
+		{
+			lwi_front_drop( s->front, part, left & ~mask, gap );
+		}
 	}
 	uint32_t lanes[LWI_WIDTH];
 	uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
@@ -63,6 +74,7 @@ static inline uint32_t open_side( lwi_searching* s, lwi_entry* e, int side, uint
 		lwi_entry* child = &s->memory->stack[height++];
 		*child = *e;
 		child->gap = gap[lane];
+		child->part = part;
 		child->side[side] = ( lwi_subtree ){ .ref = node->child[lane],
 			.obb = ref * LWI_WIDTH + lane,
 			.center = { node->x[lane], node->y[lane], node->z[lane] },
@@ -78,7 +90,16 @@ static bool leaf_side_rules_out( lwi_searching* s, lwi_entry* e )
 	const int leaf = lwi_ref_is_leaf( e->side[LWI_A].ref ) ? LWI_A : LWI_B;
 	float sphere[4], gap[LWI_WIDTH], direction[3][LWI_WIDTH];
 	lwi_other_sphere( s, e, leaf, sphere );
-	return lwi_leaf_mask( s, lwi_shape_of( s, leaf ), e->side[leaf].ref, sphere, gap, direction ) == 0;
+	if ( lwi_leaf_mask( s, lwi_shape_of( s, leaf ), e->side[leaf].ref, sphere, gap, direction ) != 0 )
+	{
+		return false;
+	}
+	if ( s->front != NULL )
+	{
+		const uint32_t part = lwi_front_add( s->front, e->side[LWI_A].obb, e->side[LWI_B].obb, LWI_FRONT_WHOLE );
+		lwi_front_note_lanes( s->front, part, lwi_low_bits( lwi_ref_count( e->side[leaf].ref ) ), gap );
+	}
+	return true;
 }
 
 enum
@@ -131,6 +152,7 @@ lwi_walk lwi_walk_begin( lwi_searching* s )
 			.radius = sphere[3] };
 	}
 	root->moved_side = LW_INVALID_INDEX;
+	root->part = LW_INVALID_INDEX;
 	s->obbs = s->a->family == LWI_TRIANGLES && s->b->family == LWI_TRIANGLES;
 	s->guess_gap = INFINITY;
 	if ( s->bound->upper < INFINITY && s->bound->pair == s->bound->current_pair )
@@ -180,7 +202,12 @@ static bool meet_leaves( lwi_searching* s, lwi_entry* e, lwi_walk* walk )
 	{
 		return true;
 	}
-	lwi_compare_leaves( s, e );
+	uint32_t part = LW_INVALID_INDEX;
+	if ( s->front != NULL )
+	{
+		part = lwi_front_add( s->front, e->side[LWI_A].obb, e->side[LWI_B].obb, LWI_FRONT_WHOLE );
+	}
+	lwi_compare_leaves( s, e, part );
 	if ( walk->leaves % LEAVES_BEFORE_LEAST == 0 )
 	{
 		take_least( s, walk );
@@ -193,7 +220,28 @@ void lwi_walk_again( lwi_walk* walk )
 	walk->late_plane = walk->leaves + LEAVES_BEFORE_LATE_PLANE;
 }
 
-bool lwi_walk_trees( lwi_searching* s, lwi_walk* walk, bool look )
+/// An entry that was left when the limit fell below its gap.
+static void drop_entry( lwi_front* front, const lwi_entry* e )
+{
+	if ( e->part == LW_INVALID_INDEX )
+	{
+		lwi_front_note( front, lwi_front_add( front, e->side[LWI_A].obb, e->side[LWI_B].obb, LWI_FRONT_WHOLE ), e->gap );
+		return;
+	}
+	const int side = ( front->parts[e->part].lanes & LWI_FRONT_SIDE ) != 0 ? LWI_B : LWI_A;
+	front->parts[e->part].lanes |= 1u << ( e->side[side].obb % LWI_WIDTH );
+	lwi_front_note( front, e->part, e->gap );
+}
+
+typedef enum walk_end
+{
+	WALK_ENDED, ///< nothing is left, or the bound is done
+	WALK_RULED_OUT,
+	WALK_LOOKED
+} walk_end;
+
+/// The walk without the batch that is left at its end.
+static walk_end walk_entries( lwi_searching* s, lwi_walk* walk, bool look )
 {
 	lwi_search_memory* memory = s->memory;
 	const uint64_t measured = memory->stats.exact_tests;
@@ -201,12 +249,15 @@ bool lwi_walk_trees( lwi_searching* s, lwi_walk* walk, bool look )
 	{
 		if ( look && ( memory->stats.exact_tests != measured || walk->leaves >= LEAVES_OF_A_LOOK ) )
 		{
-			lwi_flush_batch( s );
-			return false;
+			return WALK_LOOKED;
 		}
 		lwi_entry e = memory->stack[--walk->height];
 		if ( e.gap >= s->limit )
 		{
+			if ( s->front != NULL )
+			{
+				drop_entry( s->front, &e );
+			}
 			continue;
 		}
 		const lwi_subtree *a = &e.side[LWI_A], *b = &e.side[LWI_B];
@@ -216,7 +267,7 @@ bool lwi_walk_trees( lwi_searching* s, lwi_walk* walk, bool look )
 			if ( meet_leaves( s, &e, walk ) )
 			{
 				memory->batch.count = 0; // none of the pairs that wait can be below the limit
-				return true;
+				return WALK_RULED_OUT;
 			}
 			continue;
 		}
@@ -226,14 +277,102 @@ bool lwi_walk_trees( lwi_searching* s, lwi_walk* walk, bool look )
 		{
 			continue;
 		}
-		walk->height = !leaf_b && ( leaf_a || b->radius >= a->radius ) ? open_side( s, &e, LWI_B, walk->height )
-																	   : open_side( s, &e, LWI_A, walk->height );
+		const int side = !leaf_b && ( leaf_a || b->radius >= a->radius ) ? LWI_B : LWI_A;
+		walk->height = open_side( s, &e, side, LWI_FRONT_LANES, walk->height );
 	}
-	if ( !s->bound->done )
+	return WALK_ENDED;
+}
+
+/// The end of a walk, of which nothing is left. @param end not WALK_LOOKED
+static void end_walk( lwi_searching* s, walk_end end )
+{
+	if ( end == WALK_ENDED && !s->bound->done )
 	{
 		lwi_flush_batch( s );
 	}
+	if ( s->front != NULL && ( end == WALK_RULED_OUT || s->bound->done ) )
+	{
+		s->front->whole = false;
+	}
+}
+
+bool lwi_walk_trees( lwi_searching* s, lwi_walk* walk, bool look )
+{
+	const walk_end end = walk_entries( s, walk, look );
+	if ( end == WALK_LOOKED )
+	{
+		lwi_flush_batch( s );
+		return false;
+	}
+	end_walk( s, end );
 	return true;
+}
+
+/// A subtree by its place.
+static lwi_subtree subtree_at( const lw_shape* shape, uint32_t place )
+{
+	if ( place == LW_INVALID_INDEX )
+	{
+		const float* sphere = shape->root_sphere;
+		return ( lwi_subtree ){ shape->root, place, { sphere[0], sphere[1], sphere[2] }, sphere[3] };
+	}
+	const lwi_node* node = &shape->nodes[place / LWI_WIDTH];
+	const uint32_t lane = place % LWI_WIDTH;
+	return ( lwi_subtree ){ node->child[lane], place, { node->x[lane], node->y[lane], node->z[lane] }, node->r[lane] };
+}
+
+/// True if a part of the last front is still farther than the limit; it then is one of this front too.
+static bool stays_dropped( lwi_searching* s, const lwi_front_part* part )
+{
+	if ( ( part->lanes & ~(uint32_t)LWI_FRONT_SIDE ) == 0 )
+	{
+		return true; // nothing of it was dropped
+	}
+	if ( !( (double)part->apart - s->front->moved >= (double)s->limit ) )
+	{
+		return false;
+	}
+	const uint32_t copy = lwi_front_add( s->front, part->place[LWI_A], part->place[LWI_B], part->lanes );
+	s->front->parts[copy].apart = part->apart;
+	return true;
+}
+
+void lwi_walk_front( lwi_searching* s, lwi_walk* walk )
+{
+	walk->height = walk->bottom;
+	walk->bounded = false; // a plane has been looked for
+	walk_end end = WALK_ENDED;
+	for ( uint32_t i = 0; i < s->front->old_count && end == WALK_ENDED && !s->bound->done; ++i )
+	{
+		const lwi_front_part* part = &s->front->old[i];
+		if ( stays_dropped( s, part ) )
+		{
+			continue;
+		}
+		lwi_entry e = { .gap = -INFINITY,
+			.side = { subtree_at( s->a, part->place[LWI_A] ), subtree_at( s->b, part->place[LWI_B] ) },
+			.moved_side = LW_INVALID_INDEX,
+			.part = LW_INVALID_INDEX };
+		if ( ( part->lanes & LWI_FRONT_PAIR ) != 0 )
+		{
+			lwi_compare_again( s, &e, part->lanes / LWI_WIDTH % LWI_WIDTH, part->lanes % LWI_WIDTH );
+			continue;
+		}
+		if ( ( part->lanes & LWI_FRONT_WHOLE ) != 0 )
+		{
+			s->memory->stack[walk->height++] = e;
+			for ( ; i + 1 < s->front->old_count && ( s->front->old[i + 1].lanes & LWI_FRONT_PAIR ) != 0; ++i )
+			{
+			}
+		}
+		else
+		{
+			const int side = ( part->lanes & LWI_FRONT_SIDE ) != 0 ? LWI_B : LWI_A;
+			walk->height = open_side( s, &e, side, part->lanes % LWI_FRONT_SIDE, walk->height );
+		}
+		end = walk_entries( s, walk, false );
+	}
+	end_walk( s, end );
 }
 
 // --- tree against primitive ----------------------------------------------------------------------------------------------
@@ -256,69 +395,187 @@ static uint32_t primitive_leaf_mask( const lwi_searching* s, const lw_shape* tre
 	return s->kernels->node_primitive_gap( node, motion, primitive, s->limit, gap ) & real;
 }
 
+/// A search of one tree for what is near a primitive.
+typedef struct primitive_walk
+{
+	lwi_searching* s;
+	const lw_shape* tree;
+	bool primitive_is_a, mesh, plane_is_open;
+	lwi_primitive primitive;
+	lwi_slab_backoff backoff;
+	uint32_t measured, bottom, height;
+} primitive_walk;
+
+static primitive_walk begin_primitive( lwi_searching* s )
+{
+	const bool primitive_is_a = s->a->primitive;
+	const lw_shape* primitive = primitive_is_a ? s->a : s->b;
+	const lwi_convex convex = lwi_convex_of_primitive( primitive );
+	const bool planes = primitive->family == LWI_CONVEX && s->memory->def.planes;
+	const uint32_t bottom = s->memory->stack_bottom;
+	primitive_walk w = { .s = s,
+		.tree = primitive_is_a ? s->b : s->a,
+		.primitive_is_a = primitive_is_a,
+		.plane_is_open = s->limit < INFINITY && planes,
+		.primitive = { primitive->type,
+			{ lwi_round_up( convex.size[0] ), lwi_round_up( convex.size[1] ), lwi_round_up( convex.size[2] ) } },
+		.backoff = { INFINITY, UINT32_MAX },
+		.bottom = bottom,
+		.height = bottom };
+	w.mesh = planes && w.tree->family == LWI_TRIANGLES;
+	return w;
+}
+
+/// Measures an item of the tree, with its gap. Of the front the item is a part of its own, since its distance is known better.
+static void measure_item( primitive_walk* w, uint32_t place, uint32_t lane, lwi_ref ref, float gap )
+{
+	lwi_searching* s = w->s;
+	const uint32_t item = lwi_leaf_item( w->tree, ref, lane );
+	const double floor = s->bound->floor;
+	s->bound->floor = INFINITY;
+	lwi_measure_items( s, w->primitive_is_a ? LW_INVALID_INDEX : item, w->primitive_is_a ? item : LW_INVALID_INDEX );
+	if ( s->front != NULL )
+	{
+		const uint32_t part = lwi_front_add( s->front, place, LW_INVALID_INDEX, 1u << lane );
+		// without a measurement it shares the corner of a distance known before
+		const double core = s->bound->floor < INFINITY ? s->bound->floor + s->radii : s->shared.distance - s->error;
+		const float distance = lwi_round_down( core );
+		lwi_front_note( s->front, part, distance > gap ? distance : gap );
+	}
+	s->bound->floor = floor < s->bound->floor ? floor : s->bound->floor;
+}
+
+/// Lanes of a leaf. True if no remaining item can be below the limit.
+static bool open_leaf( primitive_walk* w, const lwi_entry* e, uint32_t lanes_to_open )
+{
+	lwi_searching* s = w->s;
+	const lwi_motion* motion = &s->from_other[w->primitive_is_a ? LWI_A : LWI_B];
+	const lwi_ref ref = e->side[LWI_A].ref;
+	if ( ( lanes_to_open & ( lanes_to_open - 1 ) ) == 0 ) // an item of a front: its gap would not spare it
+	{
+		measure_item( w, e->side[LWI_A].obb, lwi_lowest_bit( lanes_to_open ), ref, -INFINITY );
+		return false;
+	}
+	float gap[LWI_WIDTH];
+	uint32_t lanes[LWI_WIDTH];
+	const uint32_t mask = primitive_leaf_mask( s, w->tree, ref, motion, &w->primitive, gap ) & lanes_to_open;
+	s->memory->stats.leaf_tests++;
+	if ( mask != 0 && w->plane_is_open && lwi_plane_rules_out( s ) ) // before anything is measured: that costs as much
+	{
+		return true;
+	}
+	w->plane_is_open = w->plane_is_open && mask == 0;
+	uint32_t part = LW_INVALID_INDEX;
+	if ( s->front != NULL )
+	{
+		part = lwi_front_add( s->front, e->side[LWI_A].obb, LW_INVALID_INDEX, 0 );
+		lwi_front_drop( s->front, part, lwi_low_bits( lwi_ref_count( ref ) ) & lanes_to_open & ~mask, gap );
+	}
+	const uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
+	for ( uint32_t i = 0; i < count && !s->bound->done; ++i )
+	{
+		if ( !( gap[lanes[i]] >= s->limit ) )
+		{
+			if ( w->mesh && witness_rules_out( s, w->measured++, &w->backoff ) )
+			{
+				return true;
+			}
+			measure_item( w, e->side[LWI_A].obb, lanes[i], ref, gap[lanes[i]] );
+		}
+		else if ( s->front != NULL )
+		{
+			lwi_front_drop( s->front, part, 1u << lanes[i], gap );
+		}
+	}
+	return false;
+}
+
+/// Lanes of a node; the nearest ends on top of the stack.
+static void open_node( primitive_walk* w, const lwi_entry* e, uint32_t lanes_to_open )
+{
+	lwi_searching* s = w->s;
+	const lwi_motion* motion = &s->from_other[w->primitive_is_a ? LWI_A : LWI_B];
+	const uint32_t index = e->side[LWI_A].ref;
+	const lwi_node* node = &w->tree->nodes[index];
+	float gap[LWI_WIDTH];
+	uint32_t lanes[LWI_WIDTH];
+	const uint32_t mask = s->kernels->node_primitive_gap( node, motion, &w->primitive, s->limit, gap ) & lanes_to_open;
+	s->memory->stats.node_tests++;
+	uint32_t part = LW_INVALID_INDEX;
+	if ( s->front != NULL )
+	{
+		part = lwi_front_add( s->front, e->side[LWI_A].obb, LW_INVALID_INDEX, 0 );
+		lwi_front_drop( s->front, part, lanes_to_open & ~mask, gap );
+	}
+	for ( uint32_t i = lwi_sorted_lanes( gap, mask, lanes ); i-- > 0; )
+	{
+		lwi_entry* child = &s->memory->stack[w->height++];
+		child->side[LWI_A].ref = node->child[lanes[i]];
+		child->side[LWI_A].obb = index * LWI_WIDTH + lanes[i];
+		child->gap = gap[lanes[i]];
+		child->part = part;
+	}
+}
+
+/// Some lanes of one subtree. False if no remaining item can be below the limit.
+static bool open_subtree( primitive_walk* w, const lwi_entry* e, uint32_t lanes )
+{
+	if ( lwi_ref_is_leaf( e->side[LWI_A].ref ) )
+	{
+		return !open_leaf( w, e, lanes );
+	}
+	open_node( w, e, lanes );
+	return true;
+}
+
+static bool walk_primitive( primitive_walk* w )
+{
+	lwi_searching* s = w->s;
+	while ( w->height > w->bottom && !s->bound->done )
+	{
+		const lwi_entry e = s->memory->stack[--w->height];
+		if ( !( e.gap >= s->limit ) )
+		{
+			if ( !open_subtree( w, &e, LWI_FRONT_LANES ) )
+			{
+				return false;
+			}
+		}
+		else if ( s->front != NULL )
+		{
+			drop_entry( s->front, &e );
+		}
+	}
+	return true;
+}
+
 void lwi_search_primitive( lwi_searching* s )
 {
-	lwi_search_memory* memory = s->memory;
-	bool primitive_is_a = s->a->primitive;
-	const lw_shape* tree = primitive_is_a ? s->b : s->a;
-	const lw_shape* primitive_shape = primitive_is_a ? s->a : s->b;
-	lwi_convex convex = lwi_convex_of_primitive( primitive_shape );
-	lwi_primitive primitive = { primitive_shape->type,
-		{ lwi_round_up( convex.size[0] ), lwi_round_up( convex.size[1] ), lwi_round_up( convex.size[2] ) } };
-	const lwi_motion* motion = &s->from_other[primitive_is_a ? LWI_A : LWI_B];
-	lwi_entry root;
-	memset( &root, 0, sizeof( root ) );
-	root.side[LWI_A].ref = tree->root; // of both sides only this one is used
-	const uint32_t bottom = memory->stack_bottom;
-	memory->stack[bottom] = root;
-	bool convex_primitive = primitive_shape->family == LWI_CONVEX && memory->def.planes;
-	bool plane_is_open = s->limit < INFINITY && convex_primitive;
-	bool mesh = convex_primitive && tree->family == LWI_TRIANGLES;
-	lwi_slab_backoff backoff = { INFINITY, UINT32_MAX };
-	uint32_t measured = 0;
-	uint32_t height = bottom + 1;
-	while ( height > bottom && !s->bound->done )
+	primitive_walk w = begin_primitive( s );
+	bool open = true;
+	lwi_entry e;
+	memset( &e, 0, sizeof( e ) );
+	e.part = LW_INVALID_INDEX;
+	if ( s->front == NULL || s->front->old_count == 0 )
 	{
-		lwi_entry e = memory->stack[--height];
-		if ( e.gap >= s->limit )
+		e.side[LWI_A] = subtree_at( w.tree, LW_INVALID_INDEX ); // of both sides only this one is used
+		open = open_subtree( &w, &e, LWI_FRONT_LANES ) && walk_primitive( &w );
+	}
+	else
+	{
+		w.plane_is_open = false; // one has been looked for
+		for ( uint32_t i = 0; i < s->front->old_count && open && !s->bound->done; ++i )
 		{
-			continue;
-		}
-		float gap[LWI_WIDTH];
-		uint32_t lanes[LWI_WIDTH];
-		if ( lwi_ref_is_leaf( e.side[LWI_A].ref ) )
-		{
-			uint32_t mask = primitive_leaf_mask( s, tree, e.side[LWI_A].ref, motion, &primitive, gap );
-			memory->stats.leaf_tests++;
-			if ( mask != 0 && plane_is_open && lwi_plane_rules_out( s ) ) // before anything is measured: that costs as much
+			const lwi_front_part* part = &s->front->old[i];
+			if ( !stays_dropped( s, part ) )
 			{
-				return;
+				e.side[LWI_A] = subtree_at( w.tree, part->place[0] );
+				open = open_subtree( &w, &e, part->lanes % LWI_FRONT_SIDE ) && walk_primitive( &w );
 			}
-			plane_is_open = plane_is_open && mask == 0;
-			uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
-			for ( uint32_t i = 0; i < count && !s->bound->done; ++i )
-			{
-				if ( !( gap[lanes[i]] >= s->limit ) )
-				{
-					if ( mesh && witness_rules_out( s, measured++, &backoff ) )
-					{
-						return;
-					}
-					uint32_t item = lwi_leaf_item( tree, e.side[LWI_A].ref, lanes[i] );
-					lwi_measure_items( s, primitive_is_a ? LW_INVALID_INDEX : item,
-						primitive_is_a ? item : LW_INVALID_INDEX );
-				}
-			}
-			continue;
 		}
-		const lwi_node* node = &tree->nodes[e.side[LWI_A].ref];
-		uint32_t mask = s->kernels->node_primitive_gap( node, motion, &primitive, s->limit, gap );
-		memory->stats.node_tests++;
-		for ( uint32_t i = lwi_sorted_lanes( gap, mask, lanes ); i-- > 0; )
-		{
-			lwi_entry* child = &memory->stack[height++];
-			child->side[LWI_A].ref = node->child[lanes[i]];
-			child->gap = gap[lanes[i]];
-		}
+	}
+	if ( s->front != NULL && ( !open || s->bound->done ) )
+	{
+		s->front->whole = false;
 	}
 }

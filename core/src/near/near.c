@@ -12,9 +12,6 @@ enum
 	NEAR_COOKIE = 0x6c774e72 // "lwNr"
 };
 
-/// Added to the key of a pair of bodies.
-#define OF_SELF 0x80000000u
-
 lw_near_def lw_near_def_default( void )
 {
 	return ( lw_near_def ){ .flags = LW_CHECK_BOTH, .distance = 0.05, .cookie = NEAR_COOKIE };
@@ -99,29 +96,7 @@ static void sort( near_search* s )
 static lwi_bound bound_of( const near_search* s, double margin )
 {
 	const lw_range range = { -margin, s->def->distance, s->def->alpha };
-	lwi_bound bound;
-	lwi_bound_init( &bound, &range );
-	bound.lowest = -margin;
-	lwi_bound_allow_rounding( &bound, 3 * s->query->pose.rounding, s->query->pose.stretch );
-	return bound;
-}
-
-/// Pairs of an earlier checker, or before a reset, are forgotten.
-static void open_memory( lw_query* query )
-{
-	if ( query->cache.near_bindings != query->pose.bindings )
-	{
-		for ( uint32_t i = 0; i < 1u << LWI_NEAR_CACHE_BITS; ++i )
-		{
-			query->cache.near[i] = ( lwi_cached_pair ){ .pair = LW_INVALID_INDEX };
-		}
-		query->cache.near_bindings = query->pose.bindings;
-	}
-}
-
-static lwi_cached_pair* memory_of( const near_search* s, uint32_t key )
-{
-	return &s->query->cache.near[( key * 2654435769u ) >> ( 32 - LWI_NEAR_CACHE_BITS )];
+	return lwi_near_bound( s->query, &range );
 }
 
 static void lower( double* out, double value )
@@ -232,10 +207,8 @@ static void look_at_obstacles( near_search* s, uint32_t body )
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		const uint32_t shape = s->query->scratch.candidates[i].pair, object = c->scene->shapes[shape].object;
-		const double margin = lwi_environment_margin( c, body, object );
-		lwi_bound bound = bound_of( s, margin );
-		lwi_checker_obstacle_pair( c, s->query, body, shape,
-			memory_of( s, body * c->scene->block_count * LWI_WIDTH + shape ), &bound );
+		lwi_bound bound = bound_of( s, lwi_environment_margin( c, body, object ) );
+		lwi_near_search( c, s->query, &( lwi_near_bodies ){ body, shape, false }, &bound );
 		lw_near_pair row = { .body_a = body, .body_b = shape };
 		row.clearance.a = c->base->bodies[body].link;
 		row.clearance.b = object;
@@ -272,7 +245,7 @@ static void look_at_self( near_search* s )
 		row.clearance.a = c->base->bodies[row.body_a].link;
 		row.clearance.b = c->base->bodies[row.body_b].link;
 		lwi_bound bound = bound_of( s, lwi_self_margin( c->base, row.body_a, row.body_b ) );
-		lwi_checker_self_pair( c, s->query, pair, memory_of( s, OF_SELF + pair ), &bound );
+		lwi_near_search( c, s->query, &( lwi_near_bodies ){ row.body_a, row.body_b, true }, &bound );
 		take( s, &bound, &row );
 	}
 }
@@ -318,7 +291,6 @@ lw_status lw_checker_near( const lw_checker* checker, lw_query* query, const dou
 		return status;
 	}
 	fill_links( &s, def->distance );
-	open_memory( query );
 	query->search.failure = LW_OK;
 	if ( ( def->flags & LW_CHECK_ENVIRONMENT ) != 0 )
 	{

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Derivatives of points that the group moves, at the posed state.
+// One pair of a state under a bound of its own, from what a query remembers of it (near/memory.c); derivatives of points that the
+// group moves (near/derivatives.c), at the posed state.
 #ifndef LEEWAY_NEAR_NEAR_H
 #define LEEWAY_NEAR_NEAR_H
 
@@ -7,6 +8,18 @@
 #include "leeway/near.h"
 
 LW_EXTERN_C_BEGIN
+
+typedef struct lwi_near_bodies
+{
+	uint32_t a, b; ///< body of the robot; shape of the scene, or body if `self`
+	bool self;
+} lwi_near_bodies;
+
+/// A bound for one pair at the posed state. @param range min_d is minus the margin: contact ends the search
+lwi_bound lwi_near_bound( const lw_query* query, const lw_range* range );
+
+/// Searches a pair; the bound is lwi_near_bound() on return, with what was found. Memory changes the time alone.
+void lwi_near_search( const lw_checker* checker, lw_query* query, const lwi_near_bodies* bodies, lwi_bound* bound );
 
 /// Adds to out [group variables] the derivatives of dot( n, p ), p a point of the world that a cluster carries.
 /// @param end cluster above it whose joint, and those above, are left out; 0: all count

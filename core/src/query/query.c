@@ -40,6 +40,10 @@ static size_t lay_out( lw_query* q, void* block )
 	q->pose.cosines = lwi_arena_take( &arena, lwi_padded( q->capacity.links ), sizeof( double ) );
 	q->pose.sines = lwi_arena_take( &arena, lwi_padded( q->capacity.links ), sizeof( double ) );
 	q->cache.motion_backoff = lwi_arena_take( &arena, q->capacity.links, sizeof( lwi_backoff ) );
+	const bool robot = q->capacity.bodies > 0;
+	q->cache.near = lwi_arena_take( &arena, robot ? 1u << LWI_NEAR_BITS : 0, sizeof( lwi_near_memory ) );
+	q->cache.fronts[0] = lwi_arena_take( &arena, robot ? LWI_FRONTS_ROOM : 0, sizeof( lwi_front_part ) );
+	q->cache.fronts[1] = lwi_arena_take( &arena, robot ? LWI_FRONTS_ROOM : 0, sizeof( lwi_front_part ) );
 	q->pose.spheres = lwi_arena_take( &arena, q->capacity.links, sizeof( double[2][4] ) );
 	q->pose.block_stamp = lwi_arena_take( &arena, q->capacity.links, sizeof( uint64_t ) );
 	// each cluster begins a block of its own

@@ -13,7 +13,8 @@ LW_EXTERN_C_BEGIN
 
 enum
 {
-	LWI_NEAR_CACHE_BITS = 10
+	LWI_NEAR_BITS = 10,       ///< pairs that near/memory.c remembers, by a hash
+	LWI_FRONTS_ROOM = 1 << 14 ///< parts of all their fronts
 };
 
 /// The nearest pair of a search: the next one measures it first.
@@ -23,6 +24,19 @@ typedef struct lwi_cached_pair
 	double clearance; ///< of these two when they were last measured
 	bool valid;
 } lwi_cached_pair;
+
+/// One pair of bodies as lw_checker_near() saw it last.
+typedef struct lwi_near_memory
+{
+	lwi_cached_pair nearest;
+	uint64_t bindings; ///< lwi_state_pose::bindings for which all this is
+	uint32_t key;      ///< of the pair
+	lw_transform a_from_b;
+	double moved; ///< metres: since it was 0 no distance of two points of the bodies changed by more
+	double apart; ///< metres: their clearance was at least this when `moved` was 0, or -INFINITY
+	bool far;     ///< it was not below the distance asked for
+	uint32_t front, front_count, front_fresh; ///< place in the fronts, 0 parts: none; parts when it was begun
+} lwi_near_memory;
 
 /// Numbers of items that a query has room for.
 typedef struct lwi_query_sizes
@@ -70,8 +84,9 @@ typedef struct lwi_query_cache
 	uint32_t known_count;
 	uint32_t known_looked;                          ///< bits: those measured first in the current state
 	lwi_backoff* motion_backoff;                    ///< [links] of tests of clusters' spheres M against the scene
-	lwi_cached_pair near[1 << LWI_NEAR_CACHE_BITS]; ///< by a hash: near/near.c
-	uint64_t near_bindings;                         ///< lwi_state_pose::bindings for which they are
+	lwi_near_memory* near;                          ///< [1 << LWI_NEAR_BITS] by a hash: near/memory.c
+	lwi_front_part* fronts[2];                      ///< [LWI_FRONTS_ROOM] those in use, and room to move them to
+	uint32_t fronts_used;
 } lwi_query_cache;
 
 /// Arrays of one call: their contents are nobody's before and after it.
