@@ -420,8 +420,8 @@ lwi_convex_result lwi_pair_distance( lwi_pair* pair, lw_vec3 origin_a, double en
 	}
 	// Lower may exceed upper where both are the distance to rounding
 	return ( lwi_convex_result ){ lwi_clamp( bounds.lower, 0.0, bounds.upper ), bounds.upper,
-		lwi_add( bounds.point_a, origin_a ), lwi_add( bounds.point_b, origin_a ), bounds.iterations, at_corner,
-		pair->a.last, pair->b.last };
+		lwi_add( bounds.point_a, origin_a ), lwi_add( bounds.point_b, origin_a ), bounds.iterations, at_corner, pair->a.last,
+		pair->b.last };
 }
 
 lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b,

@@ -69,7 +69,8 @@ static inline uint32_t lwi_front_add( lwi_front* front, uint32_t place_a, uint32
 		front->whole = false;
 		front->count = 0;
 	}
-	front->parts[front->count] = ( lwi_front_part ){ { place_a, place_b }, lanes, INFINITY };
+	const lwi_front_part part = { { place_a, place_b }, lanes, INFINITY };
+	front->parts[front->count] = part;
 	return front->count++;
 }
 

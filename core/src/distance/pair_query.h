@@ -107,10 +107,10 @@ typedef struct lwi_searching
 	lwi_motion from_other[2];     ///< of each side: its tree frame from that of the other
 	lwi_bound* bound;
 	lwi_front* front; ///< NULL: none
-	double radii; ///< dilation that the trees do not contain: of capsules, and the margin of the pair
-	double slack; ///< metres: largest excess of a float gap over the true one
-	double error; ///< metres: largest error of a distance in double
-	bool obbs;    ///< both have them
+	double radii;     ///< dilation that the trees do not contain: of capsules, and the margin of the pair
+	double slack;     ///< metres: largest excess of a float gap over the true one
+	double error;     ///< metres: largest error of a distance in double
+	bool obbs;        ///< both have them
 	bool has_direction;
 	float direction[2][3];     ///< from a to b across the nearest pair found, in either tree frame: unit vectors
 	lwi_shared_feature shared; ///< of the nearest pair found

@@ -177,7 +177,8 @@ static void search( near_pair* p, lwi_bound* bound )
 			.ahead = MOTIONS_AHEAD * p->step };
 		p->query->search.front = &front;
 	}
-	const uint32_t stride = ( p->bodies->self ? p->checker->base->body_block_count : p->checker->scene->block_count ) * LWI_WIDTH;
+	const uint32_t stride =
+		( p->bodies->self ? p->checker->base->body_block_count : p->checker->scene->block_count ) * LWI_WIDTH;
 	if ( p->bodies->self )
 	{
 		lwi_checker_self_pair( p->checker, p->query, p->bodies->a * stride + p->bodies->b, &m->nearest, bound );
