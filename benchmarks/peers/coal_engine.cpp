@@ -14,6 +14,7 @@
 #include <coal/collision.h>
 #include <coal/config.hh>
 #include <coal/distance.h>
+#include <coal/shape/convex.h>
 #include <coal/shape/geometric_shapes.h>
 #include <ctime>
 #include <map>
@@ -70,6 +71,8 @@ public:
 	explicit CoalEngine( std::shared_ptr<Models> models ) : m_models( std::move( models ) )
 	{
 		m_distance.enable_signed_distance = false;
+		m_signed.enable_signed_distance = true;
+		m_signed.gjk_max_iterations = m_signed.epa_max_iterations = 512;
 		m_collision.enable_contact = false;
 		m_collision.num_max_contacts = 1;
 		m_margin = m_collision;
@@ -120,6 +123,14 @@ public:
 	{
 		m_margin.security_margin = margin;
 		return meets( a, b, m_margin );
+	}
+
+	double signedDistance( std::size_t a, std::size_t b, double tolerance ) override
+	{
+		m_signed.gjk_tolerance = m_signed.epa_tolerance = tolerance;
+		coal::DistanceResult result;
+		return coal::distance(
+		    m_bodies[a].geometry.get(), m_bodies[a].pose, m_bodies[b].geometry.get(), m_bodies[b].pose, m_signed, result );
 	}
 
 	bool hasManagers() const override { return true; }
@@ -221,6 +232,13 @@ private:
 			const std::uint32_t* t = geometry.triangles + 3 * std::size_t{ i };
 			triangles.emplace_back( t[0], t[1], t[2] );
 		}
+		if ( geometry.convex )
+		{
+			const auto points = std::make_shared<std::vector<coal::Vec3s>>( vertices );
+			const auto polygons = std::make_shared<std::vector<coal::Triangle>>( triangles );
+			return std::make_shared<coal::Convex<coal::Triangle>>(
+			    points, geometry.vertex_count, polygons, geometry.triangle_count );
+		}
 		const double start = threadSeconds();
 		const auto model = std::make_shared<Model>();
 		model->beginModel( static_cast<unsigned>( triangles.size() ), static_cast<unsigned>( vertices.size() ) );
@@ -234,7 +252,7 @@ private:
 
 	std::shared_ptr<Models> m_models;
 	std::vector<Body> m_bodies;
-	coal::DistanceRequest m_distance{ false };
+	coal::DistanceRequest m_distance{ false }, m_signed{ true };
 	coal::CollisionRequest m_collision, m_margin;
 	std::unique_ptr<Managers> m_managed;
 	double m_build_seconds = 0;

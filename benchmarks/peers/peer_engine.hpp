@@ -9,6 +9,7 @@
 
 #include "leeway/shape.h"
 
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -24,6 +25,7 @@ struct PeerGeometry
 	std::uint32_t vertex_count = 0;
 	const std::uint32_t* triangles = nullptr;
 	std::uint32_t triangle_count = 0;
+	bool convex = false; ///< of a mesh: the engine may take it for a solid convex body
 };
 
 class PeerEngine
@@ -49,6 +51,9 @@ public:
 	virtual bool collides( std::size_t a, std::size_t b ) = 0;
 	/// Is their distance below the margin? In the library's fastest way.
 	virtual bool within( std::size_t a, std::size_t b, double margin ) { return distance( a, b, margin, 0 ) < margin; }
+
+	/// Distance of two convex bodies, minus their penetration depth if they overlap, to the tolerance. NaN: the library has none.
+	virtual double signedDistance( std::size_t, std::size_t, double ) { return NAN; }
 
 	/// How far its surface of a body may be from the given one, metres: round shapes as polyhedra. Explains disagreements.
 	virtual double shapeError( std::size_t ) const { return 0; }

@@ -174,13 +174,14 @@ private:
 
 } // namespace
 
-leeway::Shape shapeOf( const Mesh& mesh )
+leeway::Shape shapeOf( const Mesh& mesh, bool solid )
 {
 	lw_mesh_def def = lw_mesh_def_default();
 	def.vertices = mesh.vertices.data();
 	def.vertex_count = static_cast<std::uint32_t>( mesh.vertices.size() / 3 );
 	def.indices = mesh.triangles.data();
 	def.triangle_count = static_cast<std::uint32_t>( mesh.triangles.size() / 3 );
+	def.solid = solid;
 	lw_shape* shape = nullptr;
 	lw_diag diag{};
 	leeway::require( lw_shape_create_mesh( &def, nullptr, &diag, &shape ), diag );

@@ -130,6 +130,10 @@ void runPeerWorkloads( const PeersSettings& settings, const std::vector<PeerLibr
 			runNear( settings, subjects, peers, report );
 		}
 	}
+	if ( wanted( 'G' ) && !own )
+	{
+		runConvex( settings, peers, report );
+	}
 	const Models models =
 	    own ? ownModels( settings )
 	        : Models{ "armar3 and its kitchen", settings.data + "/armar3/armar3.urdf", settings.data + "/armar3/armar3.srdf",

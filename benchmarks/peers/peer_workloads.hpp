@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The work of the comparison (peers.hpp): A two meshes, B states of robots, C edges, D building, E growth, F near pairs.
+// The work of the comparison (peers.hpp): A two meshes, B states of robots, C edges, D building, E growth, F near pairs, G convex bodies.
 #pragma once
 
 #include "support/edge_worlds.hpp"
@@ -14,7 +14,7 @@ struct Mesh
 	std::vector<std::uint32_t> triangles;
 };
 
-leeway::Shape shapeOf( const Mesh& mesh );
+leeway::Shape shapeOf( const Mesh& mesh, bool solid = false );
 /// Each triangle cut into four at the middles of its edges: the same surface.
 Mesh refined( const Mesh& mesh );
 
@@ -33,6 +33,9 @@ void runRobots( const PeersSettings& settings, const std::vector<Subject>& subje
 /// F, of all worlds that subjects add.
 void runNear( const PeersSettings& settings, const std::vector<Subject>& subjects, const std::vector<PeerLibrary>& peers,
     PeerReport& out );
+
+/// G: distances and depths of pairs of convex bodies.
+void runConvex( const PeersSettings& settings, const std::vector<PeerLibrary>& peers, PeerReport& out );
 
 /// Robot and scene that are built and refined.
 struct Models

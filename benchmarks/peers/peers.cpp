@@ -94,6 +94,10 @@ void PeerReport::add( const std::vector<PeerRow>& rows )
 		{
 			std::printf( "  %.1f pairs, differ by at most %.1g m", row.pairs, row.largest_difference );
 		}
+		if ( row.outside >= 0 )
+		{
+			std::printf( "  %.2g %% outside, at most %.1g m", 100 * row.outside, row.largest_difference );
+		}
 		if ( row.disagreements > 0 )
 		{
 			std::printf(
@@ -122,6 +126,10 @@ void PeerReport::write( Result& result ) const
 		Json json = { { "workload", row.workload }, { "library", row.library }, { "count", row.count } };
 		json.update( toJson( row.time ) );
 		json["answers_hash"] = row.answers_hash;
+		if ( row.outside >= 0 )
+		{
+			json["outside"] = row.outside;
+		}
 		json["disagreements"] = row.disagreements;
 		if ( row.bytes_per_triangle > 0 )
 		{
@@ -131,7 +139,7 @@ void PeerReport::write( Result& result ) const
 		{
 			json["pairs"] = row.pairs;
 		}
-		if ( row.disagreements > 0 || row.pairs >= 0 )
+		if ( row.disagreements > 0 || row.pairs >= 0 || row.outside >= 0 )
 		{
 			json["largest_difference_m"] = row.largest_difference;
 		}

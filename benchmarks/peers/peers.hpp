@@ -62,6 +62,7 @@ struct PeerRow
 	std::size_t disagreements = 0;
 	double largest_difference = 0;      ///< metres, of distances
 	double bytes_per_triangle = 0;      ///< of builds
+	double outside = -1;                ///< answers outside of leeway's interval, of all; below 0: not asked for
 	double pairs = -1;                  ///< near ones of a state, the mean; below 0: not asked for
 	std::vector<Disagreement> examined; ///< each of them
 };

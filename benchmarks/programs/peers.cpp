@@ -14,9 +14,10 @@ int run( PeersSettings& settings, Result& result )
 	{
 		settings.states = std::min<std::size_t>( settings.states, 100 );
 	}
+	const bool data = settings.only.empty() || settings.only.find_first_not_of( "AG" ) != std::string::npos;
 	for ( const char* folder : { "armar3", "kit_kitchen", "mbm" } )
 	{
-		if ( settings.robot.empty() )
+		if ( data && settings.robot.empty() )
 		{
 			requireData( settings.data, folder );
 		}
@@ -35,7 +36,7 @@ void addPeers( Bench& bench )
 	const auto s = std::make_shared<PeersSettings>();
 	Command& command = bench.command( "peers",
 	    "leeway and every peer that is there at the same work: A two meshes, B states of robots, C edges,\n"
-	    "D building, E growth, F near pairs. Exit status 1 if brute force contradicts leeway somewhere." );
+	    "D building, E growth, F near pairs, G convex bodies. Exit status 1 if brute force contradicts leeway somewhere." );
 	command.option( "--data", s->data, "folder with armar3, kit_kitchen and mbm" );
 	command.flag( "--quick", s->quick, "fewer states and scenes: some minutes" );
 	command.inputFile( "--robot", s->robot, "URDF: B to F about your own robot" );

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Comparison G: pairs of convex bodies, their distance or, where they overlap, their penetration depth.
+//
+// leeway answers with certified intervals. A peer that has signed distances is asked at a tolerance of 1e-9 and at one of 1e-6; rows tell how often
+// its answer is outside of leeway's interval by more than OUTSIDE, and by how much. benchmarks/zoo/depth_coal.py tries who is wrong then.
+#include "peers/peer_workloads.hpp"
+
+#include "support/provenance.hpp"
+
+#include "leeway/depth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace
+{
+
+constexpr double OUTSIDE = 1e-8; ///< metres: rounding, and the tolerance of bodies of half a metre
+
+double uniform( std::mt19937_64& random, double low, double high )
+{
+	return low + ( high - low ) * static_cast<double>( random() >> 11 ) * 0x1p-53;
+}
+
+/// A body of one kind, for both sides.
+struct Body
+{
+	leeway::Shape shape;
+	Mesh mesh; ///< of a hull
+	PeerGeometry geometry{};
+};
+
+/// The hull of points on an ellipsoid: rings of a ball are all its corners.
+Mesh ballHull( std::mt19937_64& random )
+{
+	Mesh mesh;
+	const std::uint32_t rings = 5, sectors = 6;
+	const double size[3] = { uniform( random, 0.1, 0.5 ), uniform( random, 0.1, 0.5 ), uniform( random, 0.1, 0.5 ) };
+	mesh.vertices = { 0, 0, size[2], 0, 0, -size[2] };
+	for ( std::uint32_t i = 1; i < rings; ++i )
+	{
+		for ( std::uint32_t k = 0; k < sectors; ++k )
+		{
+			const double along = M_PI * i / rings, around = 2 * M_PI * k / sectors;
+			mesh.vertices.insert(
+			    mesh.vertices.end(), { size[0] * std::sin( along ) * std::cos( around ),
+			                             size[1] * std::sin( along ) * std::sin( around ), size[2] * std::cos( along ) } );
+		}
+	}
+	for ( std::uint32_t k = 0; k < sectors; ++k )
+	{
+		const std::uint32_t here = 2 + k, next = 2 + ( k + 1 ) % sectors, last = ( rings - 2 ) * sectors;
+		mesh.triangles.insert( mesh.triangles.end(), { 0, here, next, 1, next + last, here + last } );
+		for ( std::uint32_t i = 0; i + 2 < rings; ++i )
+		{
+			const std::uint32_t a = here + i * sectors, b = next + i * sectors;
+			mesh.triangles.insert( mesh.triangles.end(), { a, a + sectors, b, b, a + sectors, b + sectors } );
+		}
+	}
+	return mesh;
+}
+
+Body bodyOf( const std::string& kind, std::mt19937_64& random )
+{
+	static const std::map<std::string, lw_shape_type> types = { { "sphere", LW_SHAPE_SPHERE },
+	    { "capsule", LW_SHAPE_CAPSULE }, { "box", LW_SHAPE_BOX }, { "cylinder", LW_SHAPE_CYLINDER },
+	    { "cone", LW_SHAPE_CONE }, { "hull", LW_SHAPE_MESH } };
+	Body out;
+	out.geometry.type = types.at( kind );
+	if ( kind == "hull" )
+	{
+		out.mesh = ballHull( random );
+		out.shape = shapeOf( out.mesh, true );
+		out.geometry.vertices = out.mesh.vertices.data();
+		out.geometry.vertex_count = static_cast<std::uint32_t>( out.mesh.vertices.size() / 3 );
+		out.geometry.triangles = out.mesh.triangles.data();
+		out.geometry.triangle_count = static_cast<std::uint32_t>( out.mesh.triangles.size() / 3 );
+		out.geometry.convex = true;
+		return out;
+	}
+	const bool round = kind != "box";
+	out.geometry.dimensions[0] = uniform( random, 0.1, round ? 0.5 : 1 );
+	out.geometry.dimensions[1] = kind == "sphere" ? 0 : uniform( random, 0.1, 1 );
+	out.geometry.dimensions[2] = kind == "box" ? uniform( random, 0.1, 1 ) : 0;
+	lw_shape* shape = nullptr;
+	leeway::require(
+	    lw_shape_create_primitive( out.geometry.type, out.geometry.dimensions, nullptr, nullptr, &shape ), "a shape" );
+	out.shape = leeway::Shape::adopt( shape );
+	return out;
+}
+
+lw_transform randomPose( std::mt19937_64& random )
+{
+	double q[4], norm = 0;
+	do
+	{
+		norm = 0;
+		for ( double& x : q )
+		{
+			x = uniform( random, -1, 1 );
+			norm += x * x;
+		}
+	} while ( norm > 1 || norm < 0.01 );
+	for ( double& x : q )
+	{
+		x /= std::sqrt( norm );
+	}
+	const double position[3] = { uniform( random, -0.6, 0.6 ), uniform( random, -0.6, 0.6 ), uniform( random, -0.6, 0.6 ) };
+	lw_transform out;
+	leeway::require( lw_transform_from_quaternion( position, q, &out ), "a pose" );
+	return out;
+}
+
+/// Pairs of two kinds, all apart or all overlapping.
+class ConvexPairs
+{
+public:
+	ConvexPairs( const std::string& kind_a, const std::string& kind_b, bool overlap, const PeersSettings& settings,
+	    const std::vector<PeerLibrary>& peers, std::mt19937_64& random )
+	    : m_overlap( overlap )
+	{
+		const lw_query_def def = lw_query_def_default();
+		lw_query* query = nullptr;
+		leeway::require( lw_query_create( &def, nullptr, nullptr, nullptr, &query ), "a query" );
+		m_query.reset( query );
+		for ( const PeerLibrary& peer : peers )
+		{
+			if ( !peer.managers )
+			{
+				m_engines.push_back( peer.make() );
+			}
+		}
+		m_pairs.reserve( settings.states ); // hulls point into their meshes
+		while ( m_pairs.size() < settings.states )
+		{
+			Pair pair{ bodyOf( kind_a, random ), bodyOf( kind_b, random ), randomPose( random ), randomPose( random ) };
+			if ( overlaps( pair ) == overlap )
+			{
+				m_pairs.push_back( std::move( pair ) );
+			}
+		}
+		for ( const auto& engine : m_engines )
+		{
+			for ( Pair& pair : m_pairs )
+			{
+				engine->place( engine->add( &pair.a, pair.a.geometry ), pair.pose_a );
+				engine->place( engine->add( &pair.b, pair.b.geometry ), pair.pose_b );
+			}
+		}
+	}
+
+	void run( const std::string& workload, const PeersSettings& settings, PeerReport& out )
+	{
+		std::vector<Contender> contenders = {
+		    { "leeway", [this]( const double* n ) { return ask( m_pairs[numberOf( n )] ); } } };
+		for ( const auto& engine : m_engines )
+		{
+			for ( const double tolerance : { 1e-9, 1e-6 } )
+			{
+				if ( !std::isnan( engine->signedDistance( 0, 1, tolerance ) ) )
+				{
+					contenders.push_back( { engine->name() + ( tolerance < 1e-8 ? " 1e-9" : " 1e-6" ),
+					    [e = engine.get(), tolerance]( const double* n )
+					    { return single( e->signedDistance( 2 * numberOf( n ), 2 * numberOf( n ) + 1, tolerance ) ); } } );
+				}
+			}
+		}
+		ConfigurationSet set;
+		for ( std::size_t i = 0; i < m_pairs.size(); ++i )
+		{
+			set.states.push_back( { static_cast<double>( i ) } );
+		}
+		const std::vector<Run> runs = race( contenders, set, settings.repetitions );
+		std::vector<PeerRow> rows;
+		for ( std::size_t c = 0; c < contenders.size(); ++c )
+		{
+			rows.push_back( rowOf( runs[c], runs[0] ) );
+			rows.back().workload = workload;
+			rows.back().library = contenders[c].name;
+		}
+		out.add( rows );
+	}
+
+private:
+	struct Pair
+	{
+		Body a, b;
+		lw_transform pose_a, pose_b;
+	};
+
+	bool overlaps( const Pair& pair )
+	{
+		lw_depth depth;
+		leeway::require( lw_shape_depth( pair.a.shape.get(), &pair.pose_a, pair.b.shape.get(), &pair.pose_b, nullptr,
+		                     m_query.get(), &depth ),
+		    "a depth" );
+		return depth.kind == LW_DEPTH_OVERLAP;
+	}
+
+	/// The signed interval.
+	Answer ask( const Pair& pair )
+	{
+		if ( m_overlap )
+		{
+			lw_depth depth;
+			leeway::require( lw_shape_depth( pair.a.shape.get(), &pair.pose_a, pair.b.shape.get(), &pair.pose_b, nullptr,
+			                     m_query.get(), &depth ),
+			    "a depth" );
+			return { -depth.upper, -depth.lower };
+		}
+		lw_clearance clearance;
+		leeway::require( lw_shape_distance( pair.a.shape.get(), &pair.pose_a, pair.b.shape.get(), &pair.pose_b, nullptr,
+		                     m_query.get(), &clearance ),
+		    "a distance" );
+		return { clearance.lower, clearance.upper };
+	}
+
+	PeerRow rowOf( const Run& run, const Run& leeway ) const
+	{
+		PeerRow row;
+		row.count = run.answers.size();
+		row.time = summarise( run );
+		row.outside = 0;
+		Hash hash;
+		for ( std::size_t i = 0; i < run.answers.size(); ++i )
+		{
+			const Answer &said = run.answers[i], &certified = leeway.answers[i];
+			hash.add( std::llround( said.upper * 1e9 ) );
+			// an answer that is no number is as far outside as can be
+			const double off = std::isfinite( said.upper )
+			                       ? std::max( { 0.0, certified.lower - said.upper, said.lower - certified.upper } )
+			                       : INFINITY;
+			row.outside += off > OUTSIDE ? 1.0 / static_cast<double>( row.count ) : 0;
+			row.largest_difference = std::max( row.largest_difference, off );
+		}
+		row.answers_hash = hash.text();
+		return row;
+	}
+
+	bool m_overlap;
+	leeway::Query m_query;
+	std::vector<std::unique_ptr<PeerEngine>> m_engines;
+	std::vector<Pair> m_pairs;
+};
+
+} // namespace
+
+void runConvex( const PeersSettings& settings, const std::vector<PeerLibrary>& peers, PeerReport& out )
+{
+	std::mt19937_64 random( settings.seed );
+	for ( const auto& [a, b] : std::vector<std::pair<std::string, std::string>>{ { "sphere", "sphere" },
+	          { "sphere", "capsule" }, { "capsule", "capsule" }, { "sphere", "box" }, { "sphere", "cylinder" },
+	          { "capsule", "box" }, { "box", "box" }, { "box", "cylinder" }, { "cylinder", "cylinder" },
+	          { "capsule", "cone" }, { "box", "hull" }, { "hull", "hull" } } )
+	{
+		for ( const bool overlap : { false, true } )
+		{
+			ConvexPairs( a, b, overlap, settings, peers, random )
+			    .run( "G " + a + ", " + b + ( overlap ? ": depth" : ": distance" ), settings, out );
+		}
+	}
+}
