@@ -151,6 +151,20 @@ static inline float lwi_round_up( double v )
 	return f;
 }
 
+/// Smallest double > v, and v itself if there is none. As nextafter(), without a call.
+static inline double lwi_next_up( double v )
+{
+	if ( !( v < INFINITY ) )
+	{
+		return v;
+	}
+	int64_t bits;
+	memcpy( &bits, &v, sizeof( bits ) );
+	bits = v == 0 ? 1 : bits + ( v > 0 ? 1 : -1 );
+	memcpy( &v, &bits, sizeof( bits ) );
+	return v;
+}
+
 /// Largest float <= v.
 static inline float lwi_round_down( double v )
 {

@@ -2,6 +2,7 @@
 // The running bound of a search: what is measured lowers it, and the answer is read from it.
 // Method and proof: core/docs/distance.md; margins: core/docs/margins.md.
 #include "distance/distance.h"
+#include "base/math_inline.h"
 
 #include <math.h>
 #include <string.h>
@@ -25,7 +26,7 @@ void lwi_bound_init( lwi_bound* bound, const lw_range* range )
 /// The next double but one: far enough that taking `rounding` off again does not round back to v.
 static double beyond( double v )
 {
-	return nextafter( nextafter( v, INFINITY ), INFINITY );
+	return lwi_next_up( lwi_next_up( v ) );
 }
 
 void lwi_bound_allow_rounding( lwi_bound* bound, double rounding, double stretch )
@@ -108,7 +109,7 @@ lw_range lw_range_exact( void )
 
 lw_range lw_range_threshold( double min_d )
 {
-	return ( lw_range ){ min_d, nextafter( min_d, INFINITY ), 0 };
+	return ( lw_range ){ min_d, lwi_next_up( min_d ), 0 };
 }
 
 lw_clearance lw_clearance_unknown( void )

@@ -70,7 +70,8 @@ static void measure_triangles( lwi_searching* s, uint32_t item_a, uint32_t item_
 	}
 	lwi_tri_result r = lwi_tri_tri( a, b );
 	lwi_shared_feature shared;
-	if ( !lwi_shared_feature_find( s, item_a, item_b, a, b, r.distance, r.point_a, r.point_b, &shared ) )
+	const bool alone = s->a->item_count == 1 && s->b->item_count == 1;
+	if ( alone || !lwi_shared_feature_find( s, item_a, item_b, a, b, r.distance, r.point_a, r.point_b, &shared ) )
 	{
 		lwi_offer_items( s, r.distance - s->error, r.distance, r.point_a, r.point_b, item_a, item_b );
 		return;

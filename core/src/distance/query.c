@@ -7,7 +7,7 @@
 
 static double max_abs3( const double v[3] )
 {
-	return fmax( fabs( v[0] ), fmax( fabs( v[1] ), fabs( v[2] ) ) );
+	return lwi_larger( fabs( v[0] ), lwi_larger( fabs( v[1] ), fabs( v[2] ) ) );
 }
 
 /// Reach of the geometry about the tree's origin, or about the shape's if it is a primitive.
@@ -34,6 +34,7 @@ static lwi_motion motion_of( const lw_transform* m )
 	return out;
 }
 
+/// Of measurements in double: everything but the tree frames.
 static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b,
 	const lw_transform* a_from_b, lwi_bound* bound )
 {
@@ -47,12 +48,26 @@ static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a,
 	s.bound = bound;
 	s.radii =
 		( a->family == LWI_TRIANGLES ? a->radius : 0 ) + ( b->family == LWI_TRIANGLES ? b->radius : 0 ) + bound->margin;
-	// tree frames are the shape frames shifted by `origin` (zero for primitives)
-	lw_transform tree = *a_from_b;
-	lw_vec3 origin_b = lwi_transform( a_from_b, lwi_load( b->origin ) );
-	tree.t[0] = origin_b.x - a->origin[0];
-	tree.t[1] = origin_b.y - a->origin[1];
-	tree.t[2] = origin_b.z - a->origin[2];
+	const lw_vec3 shift = lwi_sub( lwi_transform( a_from_b, lwi_load( b->origin ) ), lwi_load( a->origin ) );
+	double size = lwi_length( shift ) + 2 * ( extent_of( a ) + extent_of( b ) );
+	s.slack = lwi_gap_slack( size );
+	// moving the origins themselves rounds too: by doubles, of the coordinates of origins and poses
+	double reach = max_abs3( a->origin ) + max_abs3( b->origin ) + max_abs3( a_from_b->t ) + extent_of( a ) + extent_of( b );
+	s.error = LWI_EXACT_ERROR * reach;
+	s.slack += s.error;
+	s.least = lwi_is_filled( bound, a ) || lwi_is_filled( bound, b ) ? s.error + s.radii - bound->margin : -INFINITY;
+	lwi_update_limit( &s );
+	return s;
+}
+
+/// The tree frames: shape frames shifted by `origin` (zero for primitives).
+static void place_trees( lwi_searching* s )
+{
+	lw_transform tree = *s->a_from_b;
+	const lw_vec3 origin_b = lwi_transform( s->a_from_b, lwi_load( s->b->origin ) );
+	tree.t[0] = origin_b.x - s->a->origin[0];
+	tree.t[1] = origin_b.y - s->a->origin[1];
+	tree.t[2] = origin_b.z - s->a->origin[2];
 	lw_transform inverse;
 	for ( int i = 0; i < 3; ++i )
 	{
@@ -62,17 +77,8 @@ static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a,
 		}
 		inverse.t[i] = -( tree.r[0][i] * tree.t[0] + tree.r[1][i] * tree.t[1] + tree.r[2][i] * tree.t[2] );
 	}
-	s.from_other[LWI_A] = motion_of( &tree );
-	s.from_other[LWI_B] = motion_of( &inverse );
-	double size = lwi_length( lwi_load( tree.t ) ) + 2 * ( extent_of( a ) + extent_of( b ) );
-	s.slack = lwi_gap_slack( size );
-	// moving the origins themselves rounds too: by doubles, of the coordinates of origins and poses
-	double reach = max_abs3( a->origin ) + max_abs3( b->origin ) + max_abs3( a_from_b->t ) + extent_of( a ) + extent_of( b );
-	s.error = LWI_EXACT_ERROR * reach;
-	s.slack += s.error;
-	s.least = lwi_is_filled( bound, a ) || lwi_is_filled( bound, b ) ? s.error + s.radii - bound->margin : -INFINITY;
-	lwi_update_limit( &s );
-	return s;
+	s->from_other[LWI_A] = motion_of( &tree );
+	s->from_other[LWI_B] = motion_of( &inverse );
 }
 
 /// The shape with its geometry; NULL ends the search.
@@ -128,6 +134,12 @@ static void end_search( lwi_searching* s )
 	}
 }
 
+/// A point or a segment, dilated: two of these have a closed form.
+static bool is_round( const lw_shape* shape )
+{
+	return shape->type == LW_SHAPE_SPHERE || shape->type == LW_SHAPE_CAPSULE;
+}
+
 /// @param look the search may be suspended after its first pass
 static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
 	lwi_bound* bound, bool look )
@@ -144,6 +156,12 @@ static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_
 		return;
 	}
 	memory->stats.queries++;
+	if ( is_round( a ) && is_round( b ) )
+	{
+		lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
+		lwi_measure_items( &s, 0, 0 ); // cheaper than the boxes
+		return;
+	}
 	const bool resumes = memory->front != NULL && memory->front->old_count > 0; // then the boxes were not
 	if ( memory->def.planes && !resumes && lwi_boxes_are_apart( a, b, a_from_b, bound ) )
 	{
@@ -157,9 +175,9 @@ static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_
 	if ( a->primitive && b->primitive )
 	{
 		lwi_measure_items( &s, LW_INVALID_INDEX, LW_INVALID_INDEX );
-		end_search( &s );
-		return;
+		return; // nothing is inside of the other that is not solid
 	}
+	place_trees( &s );
 	begin_front( &s );
 	if ( a->primitive || b->primitive )
 	{
@@ -249,6 +267,7 @@ void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* 
 	}
 	else if ( a->closed || b->closed )
 	{
+		place_trees( &s );
 		lwi_measure_inside( &s, item_a, item_b );
 	}
 }
@@ -262,7 +281,7 @@ lw_transform lwi_orthonormal( const lw_transform* transform )
 		for ( int j = i; j < 3; ++j )
 		{
 			double want = i == j ? 1 : 0;
-			worst = fmax( worst, fabs( lwi_dot( lwi_load( m.r[i] ), lwi_load( m.r[j] ) ) - want ) );
+			worst = lwi_larger( worst, fabs( lwi_dot( lwi_load( m.r[i] ), lwi_load( m.r[j] ) ) - want ) );
 		}
 	}
 	if ( worst <= ALREADY_ORTHONORMAL )

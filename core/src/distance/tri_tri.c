@@ -290,8 +290,46 @@ static lwi_tri_result measure_rescaled( const lw_vec3 pa[3], const lw_vec3 pb[3]
 	return result;
 }
 
+static bool is_segment( const lw_vec3 p[3] )
+{
+	return p[1].x == p[2].x && p[1].y == p[2].y && p[1].z == p[2].z;
+}
+
+/// One edge each, from corner 0 to corner 1, as edge_edge() has them. False if the plane across their points does not prove that they are nearest.
+static bool measure_segments( const lw_vec3 pa[3], const lw_vec3 pb[3], lwi_tri_result* out )
+{
+	tri a, b; // only what edge_edge() and is_optimal() read
+	a.v[0] = lwi_v3( 0.0, 0.0, 0.0 );
+	a.v[1] = a.v[2] = a.e[0] = lwi_sub( pa[1], pa[0] );
+	a.inv_ee[0] = reciprocal( lwi_length_sq( a.e[0] ) );
+	b.v[0] = lwi_sub( pb[0], pa[0] );
+	b.v[1] = b.v[2] = lwi_sub( pb[1], pa[0] );
+	b.e[0] = lwi_sub( pb[1], pb[0] );
+	b.inv_ee[0] = reciprocal( lwi_length_sq( b.e[0] ) );
+	const double size = extent( &a, &b );
+	if ( !( size <= LARGEST && size >= SMALLEST ) )
+	{
+		return false;
+	}
+	best_pair best = { INFINITY, a.v[0], b.v[0] };
+	lw_vec3 x, y;
+	edge_edge( &a, 0, &b, 0, &x, &y );
+	offer( &best, x, y );
+	if ( !is_optimal( &a, &b, &best, size ) )
+	{
+		return false;
+	}
+	*out = finish( &best, pa[0] );
+	return true;
+}
+
 lwi_tri_result lwi_tri_tri( const lw_vec3 pa[3], const lw_vec3 pb[3] )
 {
+	lwi_tri_result result;
+	if ( is_segment( pa ) && is_segment( pb ) && measure_segments( pa, pb, &result ) )
+	{
+		return result;
+	}
 	tri a, b;
 	tri_init( &a, pa, pa[0] );
 	tri_init( &b, pb, pa[0] );

@@ -281,19 +281,19 @@ static double outside( const lw_shape* mesh, uint32_t triangle, lw_vec3 point )
 uint32_t lwi_convex_mesh_triangle( const lw_shape* shape, lw_vec3 point, uint32_t near )
 {
 	const lwi_convex_mesh* mesh = shape->convex;
+	const double on = ON_TRIANGLE * mesh->reach;
 	uint32_t best = near;
-	double least = INFINITY;
-	for ( int k = 0; k < 3; ++k )
+	double least = outside( shape, near, point );
+	for ( int k = 0; k < 3 && least > on; ++k )
 	{
 		const uint32_t corner = mesh->place[shape->indices[3 * (size_t)near + (size_t)k]];
-		for ( uint32_t i = mesh->first[corner]; i < mesh->first[corner + 1]; ++i )
+		for ( uint32_t i = mesh->first[corner]; i < mesh->first[corner + 1] && least > on; ++i )
 		{
 			const double far = outside( shape, mesh->triangles[i], point );
 			best = far < least ? mesh->triangles[i] : best;
 			least = far < least ? far : least;
 		}
 	}
-	const double on = ON_TRIANGLE * mesh->reach;
 	for ( uint32_t i = 0; i < shape->item_count && least > on; ++i )
 	{
 		const double far = outside( shape, i, point );
