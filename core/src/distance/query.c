@@ -162,8 +162,8 @@ static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_
 		lwi_measure_items( &s, 0, 0 ); // cheaper than the boxes
 		return;
 	}
-	const bool resumes = memory->front != NULL && memory->front->old_count > 0; // then the boxes were not
-	if ( memory->def.planes && !resumes && lwi_boxes_are_apart( a, b, a_from_b, bound ) )
+	const bool near = memory->front != NULL && memory->front->was_near;
+	if ( memory->def.planes && !near && lwi_boxes_are_apart( a, b, a_from_b, bound ) )
 	{
 		return; // so nothing is inside of the other either
 	}

@@ -82,10 +82,10 @@ typedef struct lwi_query_cache
 	lwi_cached_pair nearest_environment, nearest_self;
 	uint32_t known_pairs[LWI_KNOWN_PAIRS]; ///< of bodies, nearest of the robot's own in states before, the last one first
 	uint32_t known_count;
-	uint32_t known_looked;                          ///< bits: those measured first in the current state
-	lwi_backoff* motion_backoff;                    ///< [links] of tests of clusters' spheres M against the scene
-	lwi_near_memory* near;                          ///< [1 << LWI_NEAR_BITS] by a hash: near/memory.c
-	lwi_front_part* fronts[2];                      ///< [LWI_FRONTS_ROOM] those in use, and room to move them to
+	uint32_t known_looked;       ///< bits: those measured first in the current state
+	lwi_backoff* motion_backoff; ///< [links] of tests of clusters' spheres M against the scene
+	lwi_near_memory* near;       ///< [1 << LWI_NEAR_BITS] by a hash: near/memory.c
+	lwi_front_part* fronts[2];   ///< [LWI_FRONTS_ROOM] those in use, and room to move them to
 	uint32_t fronts_used;
 } lwi_query_cache;
 
