@@ -156,22 +156,57 @@ static void project_leaves( lwi_searching* s, const lwi_leaf* a, const lwi_leaf*
 	}
 }
 
+/// Extents of the lanes of two leaves along a few directions.
+typedef struct lane_slabs
+{
+	const float ( *high_a )[LWI_WIDTH];
+	const float ( *low_b )[LWI_WIDTH];
+	uint32_t count; ///< 2 or 3
+} lane_slabs;
+
 /// Notes the widest slabs of a triangle of a, `i`, and those of b that they dropped.
-static void note_slabs( lwi_searching* s, uint32_t part, const float high_a[3][LWI_WIDTH], const float low_b[3][LWI_WIDTH],
-	uint32_t slabs, uint32_t i, uint32_t dropped )
+static void note_slabs( lwi_searching* s, uint32_t part, const lane_slabs* all, uint32_t i, uint32_t dropped )
 {
 	float widest[LWI_WIDTH];
 	for ( int j = 0; j < LWI_WIDTH; ++j )
 	{
-		const float first = low_b[0][j] - high_a[0][i], second = low_b[1][j] - high_a[1][i];
+		const float first = all->low_b[0][j] - all->high_a[0][i], second = all->low_b[1][j] - all->high_a[1][i];
 		widest[j] = first > second ? first : second;
 	}
-	for ( int j = 0; slabs > 2 && j < LWI_WIDTH; ++j )
+	for ( int j = 0; all->count > 2 && j < LWI_WIDTH; ++j )
 	{
-		const float third = low_b[2][j] - high_a[2][i];
+		const float third = all->low_b[2][j] - all->high_a[2][i];
 		widest[j] = third > widest[j] ? third : widest[j];
 	}
 	lwi_front_note_lanes( s->front, part, dropped, widest );
+}
+
+/// Pairs of lanes that no slab drops wait in the batch.
+static void add_pairs( lwi_searching* s, const lwi_entry* e, const lane_slabs* all, uint32_t mask_a, uint32_t mask_b,
+	uint32_t part )
+{
+	lwi_triangles8 moved;
+	bool have_moved = false;
+	for ( ; mask_a != 0 && !s->bound->done; mask_a &= mask_a - 1 )
+	{
+		uint32_t i = lwi_lowest_bit( mask_a );
+		float high[3] = { all->high_a[0][i], all->high_a[1][i], all->count > 2 ? all->high_a[2][i] : 0 };
+		uint32_t mask = s->kernels->slab_gap( all->low_b, high, s->limit, all->count ) & mask_b;
+		if ( s->front != NULL && mask != mask_b )
+		{
+			note_slabs( s, part, all, i, mask_b & ~mask );
+		}
+		if ( mask != 0 && !have_moved )
+		{
+			s->kernels->leaf_transform( &s->b->leaves[lwi_ref_index( e->side[LWI_B].ref )], &s->from_other[LWI_A], moved );
+			have_moved = true;
+		}
+		for ( ; mask != 0; mask &= mask - 1 )
+		{
+			uint32_t j = lwi_lowest_bit( mask );
+			add_to_batch( s, e, i, moved, j, j );
+		}
+	}
 }
 
 /// All triangle pairs of two leaves: spheres against triangles, then two slabs common to all pairs, then the batch.
@@ -236,29 +271,8 @@ static void compare_triangles( lwi_searching* s, lwi_entry* e, uint32_t part )
 	}
 	project_leaves( s, a, b, along, high_a[1], low_b[1] );
 
-	lwi_triangles8 moved;
-	bool have_moved = false;
-	for ( ; mask_a != 0 && !s->bound->done; mask_a &= mask_a - 1 )
-	{
-		uint32_t i = lwi_lowest_bit( mask_a );
-		float high[3] = { high_a[0][i], high_a[1][i], slabs > 2 ? high_a[2][i] : 0 };
-		uint32_t mask = s->kernels->slab_gap( (const float( * )[LWI_WIDTH])low_b, high, s->limit, slabs ) & mask_b;
-		if ( s->front != NULL && mask != mask_b )
-		{
-			note_slabs( s, part, (const float( * )[LWI_WIDTH])high_a, (const float( * )[LWI_WIDTH])low_b, slabs, i,
-				mask_b & ~mask );
-		}
-		if ( mask != 0 && !have_moved )
-		{
-			s->kernels->leaf_transform( b, &s->from_other[LWI_A], moved );
-			have_moved = true;
-		}
-		for ( ; mask != 0; mask &= mask - 1 )
-		{
-			uint32_t j = lwi_lowest_bit( mask );
-			add_to_batch( s, e, i, moved, j, j );
-		}
-	}
+	const lane_slabs all = { (const float( * )[LWI_WIDTH])high_a, (const float( * )[LWI_WIDTH])low_b, slabs };
+	add_pairs( s, e, &all, mask_a, mask_b, part );
 }
 
 void lwi_compare_again( lwi_searching* s, const lwi_entry* e, uint32_t lane_a, uint32_t lane_b )

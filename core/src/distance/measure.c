@@ -129,7 +129,7 @@ static void measure_convex( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 	lwi_convex_result r = lwi_convex_distance( &a, &b, &place, stop_above, stop_below );
 	lwi_offer_items( s, r.lower - s->error, r.upper, lwi_add( r.point_a, center_a ), lwi_add( r.point_b, center_a ), item_a,
 		item_b );
-	if ( r.at_corner )
+	if ( r.at_corner && s->a->primitive != s->b->primitive ) // of sets of boxes each item has other nearest corners
 	{
 		lwi_shared_corner_find( s, item_a, item_b, r.upper, r.point_a, r.point_b );
 	}
