@@ -90,6 +90,32 @@ TEST( Clock, TwoMotionsMeetOnlyIfTheirTimesSaySo )
 	EXPECT_GT( blocked, 50 );
 }
 
+// A ball that may be off by some millimetres goes slowly into another one: before the contact is a time that cannot be proved, and the contact
+// that is reported is the first one all the same.
+TEST( Clock, AContactBehindAnUndecidedPartIsReportedLate )
+{
+	SeededRng rng;
+	const Crossing crossing;
+	const ClockBench bench( crossing.robot.get(), nullptr, false );
+	for ( int i = 0; i < 200; ++i )
+	{
+		const double first = rng.uniform( 0.5, 9 ), end = first + rng.uniform( 0.1, 5 ), speed = rng.uniform( 0.02, 0.1 );
+		OwnedClock clock;
+		clock.rest = { 0, 0 };
+		clock.tracks = { straight( 0, 0, end, 2 * radius + speed * first, 2 * radius - speed * ( end - first ) ) };
+		clock.tracks[0].tolerance = { rng.decade( -4, -2 ) };
+		const double maybe = first - clock.tracks[0].tolerance[0] / speed; // the earliest time that the controller allows
+		const lw_timed_result r = bench.ask( clock, 0, end, toTheMillisecond() );
+		if ( r.verdict == LW_VERDICT_BLOCKED )
+		{
+			EXPECT_LE( r.proved_until, std::max( 0.0, maybe ) + 1e-9 );
+			EXPECT_GE( r.time, first - 1e-9 );
+			EXPECT_LE( r.time, first + 1e-3 ) << "from " << maybe << ", known until " << r.proved_until;
+			EXPECT_LE( r.pair.upper, 1e-12 );
+		}
+	}
+}
+
 // Two controllers may be late: 2 lag speed / sqrt( 2 ) nearer than the tracks say.
 TEST( Clock, LagOfBothTracksIsTakenOff )
 {

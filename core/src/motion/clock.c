@@ -594,18 +594,39 @@ static bool prove( lwi_timed* w, double from, double to )
 	return free;
 }
 
+/// Bisects the times from `low`, which is behind all that is proved, to a contact for the earliest contact that these times show.
+static void bisect_states( lwi_timed* w, double low, double resolution, lw_timed_result* contact )
+{
+	for ( int i = 0; i < MOST_STEPS_TO_CONTACT && contact->time - low > resolution && w->status == LW_OK; ++i )
+	{
+		const double middle = low + 0.5 * ( contact->time - low );
+		if ( !( middle > low && middle < contact->time ) )
+		{
+			break;
+		}
+		if ( !prove( w, middle, middle ) && w->out->verdict == LW_VERDICT_BLOCKED )
+		{
+			*contact = *w->out;
+		}
+		else
+		{
+			low = middle;
+		}
+	}
+}
+
 /// Brackets the first contact: all is proved before proved_until, and there is a contact at `time`. Where the part before a contact is
-/// undecided a smaller one is tried.
+/// undecided a smaller one is tried; then states in what is left.
 static void find_first_contact( lwi_timed* w, double resolution )
 {
 	lw_timed_result* out = w->out;
-	double low = out->proved_until, high = out->time, share = 0.5;
+	double low = out->proved_until, share = 0.5;
 	lw_timed_result contact = *out;
 	w->def.slack *= CONTACT_SLACK;
-	for ( int i = 0; i < MOST_STEPS_TO_CONTACT && high - low > resolution && w->status == LW_OK; ++i )
+	for ( int i = 0; i < MOST_STEPS_TO_CONTACT && contact.time - low > resolution && w->status == LW_OK; ++i )
 	{
-		const double middle = low + share * ( high - low );
-		if ( !( middle > low && middle < high ) || share * ( high - low ) < 0.1 * resolution )
+		const double part = share * ( contact.time - low ), middle = low + part;
+		if ( !( middle > low && middle < contact.time ) || part < 0.1 * resolution )
 		{
 			break;
 		}
@@ -614,10 +635,10 @@ static void find_first_contact( lwi_timed* w, double resolution )
 		if ( !free && out->verdict == LW_VERDICT_BLOCKED )
 		{
 			contact = *out;
-			high = out->time;
 		}
 		share = free || out->verdict == LW_VERDICT_BLOCKED ? 0.5 : 0.25 * share;
 	}
+	bisect_states( w, low, resolution, &contact );
 	contact.pieces = out->pieces;
 	contact.queries = out->queries;
 	contact.proved_until = low;
