@@ -29,11 +29,24 @@ double timeOf( const ob::State* state )
 	return state->as<ob::CompoundState>()->as<ob::TimeStateSpace::StateType>( 1 )->position;
 }
 
+/// With bounds: numbers of OMPL's space do not go round.
+TimedSettings bounded( const Checker& checker, TimedSettings settings, const lw_clock& others )
+{
+	Statistics unused;
+	const TimedMotion motion( checker, settings, others, unused );
+	std::vector<double> lower, upper;
+	motion.findBounds( lower, upper );
+	settings.lower = lower;
+	settings.upper = upper;
+	return settings;
+}
+
 /// The questions of both validators, one thread at a time.
 struct TimedQuestions
 {
 	TimedQuestions( const Checker& checker, const TimedSettings& s, const lw_clock& others )
-	    : settings( s ), motion( checker, settings, others, statistics ), query( makeQuery( checker.get() ) )
+	    : settings( bounded( checker, s, others ) ), motion( checker, settings, others, statistics ),
+	      query( makeQuery( checker.get() ) )
 	{
 		motion.begin( query.get() );
 	}
@@ -102,15 +115,12 @@ private:
 
 ob::StateSpacePtr makeTimedSpace( const Checker& checker, const TimedSettings& settings, const lw_clock& others )
 {
-	Statistics unused;
-	const TimedMotion motion( checker, settings, others, unused );
-	std::vector<double> lower, upper;
-	motion.findBounds( lower, upper );
+	const TimedSettings within = bounded( checker, settings, others );
 	const auto n = static_cast<unsigned>( settings.variables.size() );
 	auto numbers = std::make_shared<ob::RealVectorStateSpace>( n );
 	ob::RealVectorBounds bounds( n );
-	bounds.low = lower;
-	bounds.high = upper;
+	bounds.low = within.lower;
+	bounds.high = within.upper;
 	numbers->setBounds( bounds );
 	auto time = std::make_shared<ob::TimeStateSpace>();
 	time->setBounds( settings.start_time, settings.deadline );

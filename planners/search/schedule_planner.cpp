@@ -2,6 +2,8 @@
 // Several robots: one after the other in some order, or all at once. See timed_planner.hpp.
 #include "leeway/planners/timed_planner.hpp"
 
+#include "timed_motion.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -33,11 +35,7 @@ public:
 	/// @param path must outlive the tracks
 	void add( const TimedRobot& robot, const TimedPath& path )
 	{
-		std::vector<lw_timed_piece>& pieces = m_pieces.emplace_back();
-		for ( std::size_t i = 1; i < path.count(); ++i )
-		{
-			pieces.push_back( { path.times[i - 1], path.times[i], 1, path[i - 1] } );
-		}
+		const std::vector<lw_timed_piece>& pieces = m_pieces.emplace_back( path.pieces() );
 		lw_track track = {};
 		track.variables = robot.variables.data();
 		track.variable_count = static_cast<std::uint32_t>( robot.variables.size() );
@@ -54,7 +52,7 @@ public:
 		double end = -HUGE_VAL;
 		for ( const lw_track& track : m_tracks )
 		{
-			end = std::max( end, track.pieces[track.piece_count - 1].end + track.lag );
+			end = std::max( end, endOf( track ) );
 		}
 		return end;
 	}

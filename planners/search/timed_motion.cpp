@@ -18,6 +18,12 @@ void needOfSettings( bool condition, const std::string& sentence )
 	}
 }
 
+double endOf( const lw_track& track )
+{
+	const lw_timed_piece& last = track.pieces[track.piece_count - 1];
+	return ( last.degree > 0 ? last.end : last.start ) + track.lag;
+}
+
 TimedMotion::TimedMotion( Checker checker, const TimedSettings& settings, const lw_clock& others, Statistics& statistics )
     : m_checker( std::move( checker ) ), m_settings( settings ), m_statistics( statistics )
 {
@@ -47,6 +53,16 @@ TimedMotion::TimedMotion( Checker checker, const TimedSettings& settings, const 
 	lw_diag diag = {};
 	const bool usable = lw_clock_check( m_checker.get(), &m_clock, &diag ) == LW_OK;
 	needOfSettings( usable, diag.message );
+	for ( std::size_t i = 0; i < n; ++i )
+	{
+		m_wraps.push_back( infoOf( i ).wraps && settings.lower.empty() );
+	}
+}
+
+lw_variable_info TimedMotion::infoOf( std::size_t i ) const
+{
+	return lw_robot_variable(
+	    lw_checker_robot( m_checker.get() ), lw_checker_variable( m_checker.get(), m_settings.variables[i] ) );
 }
 
 void TimedMotion::begin( lw_query* query )
@@ -56,12 +72,17 @@ void TimedMotion::begin( lw_query* query )
 	lw_query_reset( query );
 }
 
+double TimedMotion::difference( std::size_t i, double a, double b ) const
+{
+	return wraps( i ) ? std::remainder( b - a, full_turn ) : b - a;
+}
+
 double TimedMotion::least( const double* a, const double* b ) const
 {
 	double longest = 0;
 	for ( std::size_t i = 0; i < m_settings.velocity.size(); ++i )
 	{
-		longest = std::max( longest, std::abs( b[i] - a[i] ) / m_settings.velocity[i] );
+		longest = std::max( longest, std::abs( difference( i, a[i], b[i] ) ) / m_settings.velocity[i] );
 	}
 	return longest;
 }
@@ -74,11 +95,9 @@ void TimedMotion::findBounds( std::vector<double>& lower, std::vector<double>& u
 	    "lower and upper have to be empty, or one for each variable" );
 	lower = m_settings.lower;
 	upper = m_settings.upper;
-	const lw_robot* robot = lw_checker_robot( m_checker.get() );
 	for ( std::size_t i = 0; i < n && m_settings.lower.empty(); ++i )
 	{
-		const lw_variable_info info =
-		    lw_robot_variable( robot, lw_checker_variable( m_checker.get(), m_settings.variables[i] ) );
+		const lw_variable_info info = infoOf( i );
 		lower.push_back( info.wraps ? -0.5 * full_turn : info.lower );
 		upper.push_back( info.wraps ? 0.5 * full_turn : info.upper );
 	}
@@ -94,7 +113,7 @@ double TimedMotion::othersEnd() const
 	double end = m_settings.start_time;
 	for ( std::size_t i = 0; i + 1 < m_tracks.size(); ++i )
 	{
-		end = std::max( end, m_tracks[i].pieces[m_tracks[i].piece_count - 1].end + m_tracks[i].lag );
+		end = std::max( end, endOf( m_tracks[i] ) );
 	}
 	return end;
 }
@@ -159,7 +178,10 @@ bool TimedMotion::isFree( const double* a, double from, const double* b, double 
 	}
 	const std::size_t n = m_settings.variables.size();
 	std::copy_n( a, n, m_points.begin() );
-	std::copy_n( b, n, m_points.begin() + static_cast<std::ptrdiff_t>( n ) );
+	for ( std::size_t i = 0; i < n; ++i )
+	{
+		m_points[n + i] = wraps( i ) ? a[i] + difference( i, a[i], b[i] ) : b[i];
+	}
 	m_pieces.assign( 1, { from, to, 1, m_points.data() } );
 	setPlanned( m_wide.data(), 0 ); // the lag is in the tolerance
 	return seemsFree( from, to ) && prove( from, to );
@@ -175,11 +197,7 @@ bool TimedMotion::isRestFree( const double* q, double from, double to )
 
 bool TimedMotion::isPathFree( const TimedPath& path, double from, double to )
 {
-	m_pieces.clear();
-	for ( std::size_t i = 1; i < path.count(); ++i )
-	{
-		m_pieces.push_back( { path.times[i - 1], path.times[i], 1, path[i - 1] } );
-	}
+	m_pieces = path.pieces();
 	setPlanned( m_settings.tolerance.empty() ? nullptr : m_settings.tolerance.data(), m_settings.lag );
 	return prove( from, to );
 }

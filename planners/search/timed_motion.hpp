@@ -13,6 +13,9 @@ namespace leeway::planners
 /// @throws InputError with the sentence, unless the condition holds: NaN is refused
 void needOfSettings( bool condition, const std::string& sentence );
 
+/// Seconds: a track rests from then on, its controller's lag included.
+double endOf( const lw_track& track );
+
 class TimedMotion
 {
 public:
@@ -22,16 +25,21 @@ public:
 	/// @param query of this search; its warm starts are dropped
 	void begin( lw_query* query );
 
+	/// b - a of one variable, the shorter way if it wraps.
+	double difference( std::size_t i, double a, double b ) const;
 	/// Seconds from one state to another at full speed.
 	double least( const double* a, const double* b ) const;
-	/// Bounds of the settings, or of the joints. @throws InputError
+	/// Does a variable go round without end? Continuous joints for which the settings have no bounds.
+	bool wraps( std::size_t i ) const { return m_wraps[i] != 0; }
+	/// Bounds of the settings, or of the joints; half a turn to both sides of those that wrap. @throws InputError
 	void findBounds( std::vector<double>& lower, std::vector<double>& upper ) const;
 	/// Seconds: all given tracks rest from then on.
 	double othersEnd() const;
 
 	/// A state at a time, on the tracks themselves.
 	bool isStateFree( const double* q, double time );
-	/// A straight motion. Its tolerance has the lag at full speed, so that motions one after the other are proved together, too.
+	/// A straight motion, the shorter way. Its tolerance has the lag at full speed, so that motions one after the other are proved
+	/// together, too.
 	bool isFree( const double* a, double from, const double* b, double to );
 	bool isRestFree( const double* q, double from, double to );
 	/// All motions of a path and the rest behind it, with the lag as it is.
@@ -43,6 +51,7 @@ public:
 	lw_status status() const { return m_status; }
 
 private:
+	lw_variable_info infoOf( std::size_t i ) const;
 	/// What is planned, from now on: m_pieces. @param tolerance null: none
 	void setPlanned( const double* tolerance, double lag );
 	bool isMomentFree( double time );
@@ -55,6 +64,7 @@ private:
 	lw_query* m_query = nullptr;
 	std::vector<lw_track> m_tracks; ///< those that are given, then that which is planned
 	std::vector<double> m_rest, m_state, m_points, m_wide;
+	std::vector<unsigned char> m_wraps; ///< [variables]
 	std::vector<lw_timed_piece> m_pieces;
 	lw_clock m_clock{};
 	lw_timed_result m_last{};

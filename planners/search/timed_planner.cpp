@@ -57,7 +57,10 @@ struct TimedPlanner::Parts
 			    settings.velocity[i] > 0 && std::isfinite( settings.velocity[i] ), "velocities must be above 0 and finite" );
 		}
 		motion.findBounds( lower, upper );
-		step = longest_step * motion.least( lower.data(), upper.data() );
+		for ( std::size_t i = 0; i < n; ++i )
+		{
+			step = std::max( step, longest_step * ( upper[i] - lower[i] ) / settings.velocity[i] );
+		}
 		hold = std::isnan( settings.hold_until ) ? motion.othersEnd() : settings.hold_until;
 		sample.resize( n );
 		next.resize( n );
@@ -72,7 +75,9 @@ struct TimedPlanner::Parts
 	{
 		for ( std::size_t i = 0; i < size(); ++i )
 		{
-			if ( !( q[i] >= lower[i] - 1e-5 && q[i] <= upper[i] + 1e-5 ) )
+			const bool inside =
+			    motion.wraps( i ) ? std::isfinite( q[i] ) : q[i] >= lower[i] - 1e-5 && q[i] <= upper[i] + 1e-5;
+			if ( !inside )
 			{
 				throw InputError( "leeway::planners: TimedPlanner: value " + std::to_string( i ) +
 				                  " of a start or goal is outside of its bounds; give a state within them" );
@@ -82,6 +87,9 @@ struct TimedPlanner::Parts
 
 	Outcome solve( lw_query* query, const Stop& stop );
 	bool prepareGoals();
+	bool prepareGoal( std::size_t g );
+	double share( std::size_t i, double from, double to, double part ) const;
+	bool isThere() const;
 	bool goStraight();
 	void addRoot();
 	bool drawSample();
@@ -92,14 +100,14 @@ struct TimedPlanner::Parts
 	bool isFree( const TimedPath& whole );
 	void improve( Deadline& deadline );
 	bool proveWhole();
-	void set( std::vector<double> times, const std::vector<const double*>& states );
+	TimedPath made( std::vector<double> times, const std::vector<const double*>& states ) const;
 
 	TimedSettings settings;
 	Statistics statistics;
 	TimedMotion motion;
 	Random random;
 	std::vector<double> lower, upper, start, goals;
-	std::vector<double> rest_from; ///< [goals] earliest time from which a goal is proved to rest; infinite: never
+	std::vector<double> rest_from; ///< [goals] arrivals from here on may be held; infinite: none
 	double step = 0, hold = 0;
 	TimedTree trees[2];
 	std::vector<double> sample, next;
@@ -108,52 +116,85 @@ struct TimedPlanner::Parts
 	std::string problem;
 };
 
-/// From when on each goal may rest, and whether it can be reached by then.
+/// From when on a goal may rest until nobody needs to hold it, and whether it can be reached by then.
+bool TimedPlanner::Parts::prepareGoal( std::size_t g )
+{
+	const double earliest = settings.start_time + least( start.data(), goal( g ) );
+	if ( !( earliest <= settings.deadline ) )
+	{
+		problem = "goal " + std::to_string( g ) + ": takes " + std::to_string( earliest - settings.start_time ) +
+		          " s at full speed, more than there are until the deadline";
+		return false;
+	}
+	// Later arrivals than `until` are moments, which the motion there proves
+	const double until = std::clamp( hold, earliest, settings.deadline ), end = std::max( hold, until );
+	rest_from[g] = until;
+	if ( !motion.isRestFree( goal( g ), until, end ) )
+	{
+		problem = "goal " + std::to_string( g ) + ": cannot rest from " + std::to_string( until ) + " to " +
+		          std::to_string( end ) + " s: " + motion.lastPair();
+		return until < std::min( settings.deadline, motion.othersEnd() );
+	}
+	for ( unsigned i = rests; i-- > 0; )
+	{
+		const double before = earliest + ( until - earliest ) * i / rests;
+		if ( before < rest_from[g] && !motion.isRestFree( goal( g ), before, rest_from[g] ) )
+		{
+			break;
+		}
+		rest_from[g] = std::min( rest_from[g], before );
+	}
+	return true;
+}
+
 bool TimedPlanner::Parts::prepareGoals()
 {
 	rest_from.assign( goalCount(), HUGE_VAL );
 	problem.clear();
+	bool any = false;
 	for ( std::size_t g = 0; g < goalCount(); ++g )
 	{
-		const double earliest = settings.start_time + least( start.data(), goal( g ) );
-		if ( !( earliest <= settings.deadline ) )
-		{
-			problem = "goal " + std::to_string( g ) + ": takes " + std::to_string( earliest - settings.start_time ) +
-			          " s at full speed, more than there are until the deadline";
-			continue;
-		}
-		const double end = std::max( hold, settings.deadline );
-		if ( !motion.isRestFree( goal( g ), settings.deadline, end ) )
-		{
-			problem = "goal " + std::to_string( g ) + ": cannot rest from the deadline to " + std::to_string( end ) +
-			          " s: " + motion.lastPair();
-			continue;
-		}
-		double from = settings.deadline;
-		for ( unsigned i = rests; i-- > 0; )
-		{
-			const double before = earliest + ( settings.deadline - earliest ) * i / rests;
-			if ( before < from && !motion.isRestFree( goal( g ), before, from ) )
-			{
-				break;
-			}
-			from = std::min( from, before );
-		}
-		rest_from[g] = from;
+		const bool usable = prepareGoal( g );
+		rest_from[g] = usable ? rest_from[g] : HUGE_VAL;
+		any = any || usable;
 	}
-	return std::any_of( rest_from.begin(), rest_from.end(), []( double from ) { return from < HUGE_VAL; } );
+	return any;
 }
 
-void TimedPlanner::Parts::set( std::vector<double> times, const std::vector<const double*>& states )
+/// A number between two, the shorter way.
+double TimedPlanner::Parts::share( std::size_t i, double from, double to, double part ) const
 {
-	TimedPath made;
-	made.dimension = size();
-	made.times = std::move( times );
-	for ( const double* q : states )
+	return from + part * motion.difference( i, from, to );
+}
+
+/// The path of some states, on which the numbers of variables that wrap go on.
+TimedPath TimedPlanner::Parts::made( std::vector<double> times, const std::vector<const double*>& states ) const
+{
+	TimedPath out;
+	out.dimension = size();
+	out.times = std::move( times );
+	for ( std::size_t k = 0; k < states.size(); ++k )
 	{
-		made.values.insert( made.values.end(), q, q + size() );
+		for ( std::size_t i = 0; i < size(); ++i )
+		{
+			const bool follows = k > 0 && motion.wraps( i );
+			out.values.push_back( follows ? share( i, out[k - 1][i], states[k][i], 1 ) : states[k][i] );
+		}
 	}
-	path = std::move( made );
+	return out;
+}
+
+/// Is the start a goal where it may stay?
+bool TimedPlanner::Parts::isThere() const
+{
+	for ( std::size_t g = 0; g < goalCount(); ++g )
+	{
+		if ( least( start.data(), goal( g ) ) == 0 && rest_from[g] <= settings.start_time )
+		{
+			return true;
+		}
+	}
+	return false;
 }
 
 /// At full speed to each goal, now or after some waiting.
@@ -176,11 +217,11 @@ bool TimedPlanner::Parts::goStraight()
 			}
 			if ( depart > settings.start_time )
 			{
-				set( { settings.start_time, depart, depart + way }, { start.data(), start.data(), goal( g ) } );
+				path = made( { settings.start_time, depart, depart + way }, { start.data(), start.data(), goal( g ) } );
 			}
 			else
 			{
-				set( { depart, depart + way }, { start.data(), goal( g ) } );
+				path = made( { depart, depart + way }, { start.data(), goal( g ) } );
 			}
 			return true;
 		}
@@ -212,10 +253,10 @@ bool TimedPlanner::Parts::drawSample()
 	if ( random.uniform() < 0.5 )
 	{
 		const double* g = goal( random.below( goalCount() ) );
-		const double share = random.uniform(), off = random.uniform();
+		const double part = random.uniform(), off = random.uniform();
 		for ( std::size_t i = 0; i < size(); ++i )
 		{
-			sample[i] = ( 1 - off ) * ( start[i] + share * ( g[i] - start[i] ) ) + off * sample[i];
+			sample[i] = ( 1 - off ) * share( i, start[i], g[i], part ) + off * sample[i];
 		}
 	}
 	double after = HUGE_VAL;
@@ -264,14 +305,14 @@ bool TimedPlanner::Parts::grow( unsigned side )
 	const std::vector<double> from( tree.states.begin() + static_cast<std::ptrdiff_t>( near * size() ),
 	    tree.states.begin() + static_cast<std::ptrdiff_t>( ( near + 1 ) * size() ) );
 	const double from_time = tree.times[near], way = std::abs( sample_time - from_time );
-	double share = std::min( 1.0, step / way );
-	for ( int i = 0; i < 2; ++i, share *= 0.5 )
+	double part = std::min( 1.0, step / way );
+	for ( int i = 0; i < 2; ++i, part *= 0.5 )
 	{
 		for ( std::size_t k = 0; k < size(); ++k )
 		{
-			next[k] = from[k] + share * ( sample[k] - from[k] );
+			next[k] = share( k, from[k], sample[k], part );
 		}
-		const double time = from_time + share * ( sample_time - from_time );
+		const double time = from_time + part * ( sample_time - from_time );
 		const bool free = side == 0 ? motion.isFree( from.data(), from_time, next.data(), time )
 		                            : motion.isFree( next.data(), time, from.data(), from_time );
 		if ( free )
@@ -318,7 +359,7 @@ void TimedPlanner::Parts::finish( std::uint32_t from_start, std::uint32_t from_g
 		times.push_back( trees[1].times[i] );
 		states.push_back( trees[1].states.data() + i * size() );
 	}
-	set( std::move( times ), states );
+	path = made( std::move( times ), states );
 }
 
 /// All motions of a path, and the rest behind it.
@@ -335,34 +376,29 @@ bool TimedPlanner::Parts::isFree( const TimedPath& whole )
 /// Cuts corners: from one point to a later one at full speed, and everything behind it as much earlier, or at the same time.
 void TimedPlanner::Parts::improve( Deadline& deadline )
 {
-	for ( unsigned k = 0; k < settings.improvements && !deadline.over(); ++k )
+	for ( unsigned k = 0; k < settings.improvements && path.count() > 1 && !deadline.over(); ++k )
 	{
 		const std::size_t count = path.count();
 		const std::size_t a = random.below( count - 1 ), b = a + 1 + random.below( count - 1 - a );
 		const double way = least( path[a], path[b] ), saved = path.times[b] - path.times[a] - way;
-		TimedPath shorter;
-		shorter.dimension = size();
-		const auto take = [&]( std::size_t i, double earlier )
-		{
-			shorter.times.push_back( path.times[i] - earlier );
-			shorter.values.insert( shorter.values.end(), path[i], path[i] + size() );
-		};
 		for ( const double earlier : { saved, 0.5 * saved, 0.0 } )
 		{
 			const bool same = b == a + 1 && !( earlier > 1e-6 );
-			shorter.times.clear();
-			shorter.values.clear();
-			for ( std::size_t i = 0; i <= a; ++i )
+			std::vector<double> times;
+			std::vector<const double*> states;
+			for ( std::size_t i = 0; i < count; i = i == a ? b : i + 1 )
 			{
-				take( i, 0 );
+				times.push_back( path.times[i] - ( i < b ? 0 : earlier ) );
+				states.push_back( path[i] );
 			}
-			for ( std::size_t i = b; i < count; ++i )
+			if ( same || !( times[a + 1] > times[a] ) )
 			{
-				take( i, earlier );
+				continue;
 			}
-			if ( !same && shorter.times[a + 1] > shorter.times[a] && isFree( shorter ) )
+			TimedPath shorter = made( std::move( times ), states );
+			if ( isFree( shorter ) )
 			{
-				path = shorter;
+				path = std::move( shorter );
 				break;
 			}
 		}
@@ -396,7 +432,12 @@ Outcome TimedPlanner::Parts::solve( lw_query* query, const Stop& stop )
 	{
 		return motion.status() == LW_OK ? Outcome::NO_GOAL : Outcome::FAILED;
 	}
-	bool found = goStraight();
+	bool found = isThere();
+	if ( found )
+	{
+		path = made( { settings.start_time }, { start.data() } );
+	}
+	found = found || goStraight();
 	trees[0].add( start.data(), size(), settings.start_time, none );
 	for ( std::size_t k = 0; !found && !deadline.over() && motion.status() == LW_OK; ++k )
 	{
@@ -428,6 +469,20 @@ Outcome TimedPlanner::Parts::solve( lw_query* query, const Stop& stop )
 		return motion.status() == LW_OK ? Outcome::TIMED_OUT : Outcome::FAILED;
 	}
 	return Outcome::SOLVED;
+}
+
+std::vector<lw_timed_piece> TimedPath::pieces() const
+{
+	std::vector<lw_timed_piece> out;
+	for ( std::size_t i = 1; i < count(); ++i )
+	{
+		out.push_back( { times[i - 1], times[i], 1, ( *this )[i - 1] } );
+	}
+	if ( count() == 1 )
+	{
+		out.push_back( { times[0], times[0] + 1, 0, values.data() } );
+	}
+	return out;
 }
 
 // ---- public ----------------------------------------------------------------------------------------------------------

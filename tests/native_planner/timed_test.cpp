@@ -36,6 +36,10 @@ OwnedTrack trackOf( const TimedPath& path, const std::vector<std::uint32_t>& var
 {
 	OwnedTrack track;
 	track.variables = variables;
+	if ( path.count() == 1 )
+	{
+		track.pieces = { { path.times[0], path.times[0] + 1, 0, path.values } };
+	}
 	for ( std::size_t i = 1; i < path.count(); ++i )
 	{
 		OwnedPiece piece = { path.times[i - 1], path.times[i], 1, {} };
@@ -166,6 +170,145 @@ TEST( TimedPlanner, ArrivesOnlyWhereItMayStay )
 	later.addGoal( goal );
 	ASSERT_EQ( later.solve( bench.query.get(), seconds( 60 ) ), Outcome::SOLVED ) << later.endProblem();
 	EXPECT_GT( later.path().times.back(), 8 );
+}
+
+// Another ball is in the goal at the deadline, and nobody asks the first one to be there then. The third case: the ball is there when
+// nobody needs to hold any more, so the first one comes behind it.
+TEST( TimedPlanner, TheDeadlineIsNotWhenAGoalIsHeld )
+{
+	const RobotPtr robot = balls( 2 );
+	const ClockBench bench( robot.get(), nullptr, false );
+	const double start[] = { -1, 0 }, goal[] = { 1, 0 };
+	struct Case
+	{
+		double deadline, hold, pass; ///< the other ball is in the goal at `pass`
+		bool late;
+	};
+	for ( const Case& c : { Case{ 8, 5, 8, false }, Case{ 8, 0, 8, false }, Case{ 8, 3, 3, true } } )
+	{
+		OwnedClock clock;
+		clock.rest = { 0, 0, 0, 0 };
+		clock.tracks = { going( 1, { { c.pass - 2, 1, -2 }, { c.pass + 2, 1, 2 } } ) };
+		TimedSettings settings = settingsFor( 0, c.deadline );
+		settings.hold_until = c.hold;
+		TimedPlanner planner( bench.checker, settings, clock.view() );
+		planner.setStart( start );
+		planner.addGoal( goal );
+		ASSERT_EQ( planner.solve( bench.query.get(), seconds( 60 ) ), Outcome::SOLVED ) << planner.endProblem();
+		const double arrival = planner.path().times.back();
+		EXPECT_EQ( arrival > c.pass, c.late ) << arrival;
+		clock.tracks.push_back( trackOf( planner.path(), settings.variables ) );
+		EXPECT_GT( leastClearance( robot.get(), nullptr, clock, 0, std::max( arrival, c.hold ) ), 0 );
+	}
+	// a ball that stays in the goal is known to stay there
+	OwnedClock clock;
+	clock.rest = { 0, 0, 1, 0 };
+	TimedSettings settings = settingsFor( 0, 8 );
+	settings.hold_until = 3;
+	TimedPlanner never( bench.checker, settings, clock.view() );
+	never.setStart( start );
+	never.addGoal( goal );
+	EXPECT_EQ( never.solve( bench.query.get(), seconds( 60 ) ), Outcome::NO_GOAL );
+}
+
+namespace
+{
+
+/// A bar that turns without limits, with a post at angle 0, or none.
+struct Turntable
+{
+	RobotPtr robot;
+	leeway::Scene scene;
+
+	explicit Turntable( bool post )
+	{
+		RobotModel model;
+		model.link( "world" );
+		addJoint( model, "turn", LW_JOINT_CONTINUOUS, 0, 2 );
+		lw_transform out = lw_transform_identity();
+		out.t[0] = 0.5;
+		model.body( 1, primitive( LW_SHAPE_BOX, 1, 0.1, 0.1 ), out );
+		robot = model.create();
+		const ShapePtr ball( primitive( LW_SHAPE_SPHERE, 0.1 ) );
+		out.t[0] = post ? 0.8 : 5;
+		scene = oneObstacle( ball.get(), out );
+	}
+};
+
+TimedPath turned( const Turntable& table, TimedSettings settings, double start, double goal )
+{
+	const ClockBench bench( table.robot.get(), table.scene.get(), false );
+	OwnedClock clock;
+	clock.rest = { 0 };
+	settings.variables = { 0 };
+	settings.velocity = { 1 };
+	TimedPlanner planner( bench.checker, settings, clock.view() );
+	planner.setStart( &start );
+	planner.addGoal( &goal );
+	EXPECT_EQ( planner.solve( bench.query.get(), seconds( 20 ) ), Outcome::SOLVED ) << planner.endProblem();
+	return planner.path();
+}
+
+} // namespace
+
+// From 3.0 to -3.0 it is 0.28 rad over half a turn, and 6 rad over 0, where a post stands. The numbers of a path go on.
+TEST( TimedPlanner, ContinuousJointsGoTheLongWayRound )
+{
+	TimedSettings settings;
+	settings.deadline = 10;
+	for ( const bool post : { false, true } )
+	{
+		const TimedPath path = turned( Turntable( post ), settings, 3.0, -3.0 );
+		ASSERT_GE( path.count(), 2u );
+		EXPECT_EQ( path[0][0], 3.0 );
+		EXPECT_NEAR( path[path.count() - 1][0], 2 * M_PI - 3.0, 1e-12 );
+		EXPECT_NEAR( path.times.back(), 2 * M_PI - 6, 1e-6 );
+	}
+	// the shorter way over 0 is closed: the other one
+	const TimedPath other = turned( Turntable( true ), settings, 1.0, -1.0 );
+	ASSERT_GE( other.count(), 3u );
+	EXPECT_NEAR( other[other.count() - 1][0], 2 * M_PI - 1.0, 1e-9 );
+	EXPECT_GE( other.times.back(), 2 * M_PI - 2 - 1e-6 );
+	// with bounds it does not go round
+	settings.lower = { -3.1 };
+	settings.upper = { 3.1 };
+	const TimedPath bounded = turned( Turntable( false ), settings, 3.0, -3.0 );
+	ASSERT_GE( bounded.count(), 2u );
+	EXPECT_EQ( bounded[bounded.count() - 1][0], -3.0 );
+	EXPECT_NEAR( bounded.times.back(), 6, 1e-6 );
+}
+
+// Nothing to do is a wait, of one state; where another ball comes through, it gets out of the way and comes back.
+TEST( TimedPlanner, AStartThatIsTheGoalMoves )
+{
+	const RobotPtr robot = balls( 2 );
+	const ClockBench bench( robot.get(), nullptr, false );
+	const double start[] = { 1, 0 };
+	for ( const bool passes : { false, true } )
+	{
+		OwnedClock clock;
+		clock.rest = { 0, 0, 0, 0 };
+		const double x = passes ? 1 : 2;
+		clock.tracks = { going( 1, { { 2, x, -2 }, { 6, x, 2 } } ) };
+		TimedSettings settings = settingsFor( 0, 10 );
+		settings.start_time = 0.5;
+		TimedPlanner planner( bench.checker, settings, clock.view() );
+		planner.setStart( start );
+		planner.addGoal( start );
+		ASSERT_EQ( planner.solve( bench.query.get(), seconds( 60 ) ), Outcome::SOLVED ) << planner.endProblem();
+		const TimedPath& path = planner.path();
+		if ( passes )
+		{
+			expectUsable( path, settings, start, start );
+			clock.tracks.push_back( trackOf( path, settings.variables ) );
+			EXPECT_GT( leastClearance( robot.get(), nullptr, clock, 0.5, 10 ), 0 );
+			continue;
+		}
+		ASSERT_EQ( path.count(), 1u );
+		EXPECT_EQ( path.times[0], 0.5 );
+		EXPECT_EQ( path[0][0], 1 );
+		EXPECT_EQ( path[0][1], 0 );
+	}
 }
 
 // A ball passes behind the goal 0.1 s after the arrival, where a controller that is late still is.
@@ -358,6 +501,27 @@ TEST( SchedulePlanner, FindsTheOnlyOrderThatWorks )
 	EXPECT_EQ( plan.order, ( std::vector<std::size_t>{ 1, 0 } ) );
 	EXPECT_EQ( plan.proof.verdict, LW_VERDICT_FREE );
 	expectFree( robot, plan, robots );
+}
+
+// One robot has nothing to do; the other one goes around it.
+TEST( SchedulePlanner, ARobotThatStaysIsNoTrack )
+{
+	const RobotPtr robot = balls( 2 );
+	const ClockBench bench( robot.get(), nullptr, false );
+	const std::vector<TimedRobot> robots = { robotOf( 0, { 0, 0 }, { 0, 0 } ), robotOf( 1, { -1, 0 }, { 1, 0 } ) };
+	OwnedClock clock;
+	clock.rest.assign( 4, 0.0 );
+	for ( const bool together : { false, true } )
+	{
+		ScheduleSettings settings;
+		settings.timed.deadline = 15;
+		settings.search_seconds = 60;
+		settings.together = together;
+		const SchedulePlan plan = planSchedule( bench.checker, bench.query.get(), robots, clock.view(), settings );
+		ASSERT_EQ( plan.outcome, Outcome::SOLVED ) << plan.problem;
+		EXPECT_TRUE( together || plan.paths[0].count() == 1 );
+		expectFree( robot, plan, robots );
+	}
 }
 
 // Two balls in each other's goals: neither can go first while the other one stands there.

@@ -12,6 +12,7 @@ namespace leeway::planners
 {
 
 /// A compound of a RealVectorStateSpace, of the settings' variables within their bounds, and a TimeStateSpace from start_time to deadline.
+/// Continuous joints go from half a turn to the other one through 0, and not round.
 /// @throws InputError as TimedPlanner
 ::ompl::base::StateSpacePtr makeTimedSpace( const Checker& checker, const TimedSettings& settings, const lw_clock& others );
 

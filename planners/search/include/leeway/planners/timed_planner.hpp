@@ -21,7 +21,7 @@
 namespace leeway::planners
 {
 
-/// States one after another with their times, joined by straight motions at constant speed.
+/// States one after another with their times, joined by straight motions at constant speed. One state: a wait of no length.
 struct TimedPath
 {
 	std::size_t dimension = 0;
@@ -29,6 +29,8 @@ struct TimedPath
 	std::vector<double> values; ///< [count() * dimension], radians and metres
 	std::size_t count() const { return times.size(); }
 	const double* operator[]( std::size_t i ) const { return values.data() + i * dimension; }
+	/// The pieces of its track: views of the values, as long as these stay where they are. Not for an empty path.
+	std::vector<lw_timed_piece> pieces() const;
 };
 
 struct TimedSettings
@@ -39,11 +41,12 @@ struct TimedSettings
 	std::vector<double> velocity;  ///< [variables] limits, > 0
 	std::vector<double> tolerance; ///< [variables] of the controller, or empty: 0
 	double lag = 0;                ///< of the controller, seconds
-	std::vector<double> lower,
-	    upper;             ///< [variables] bounds of the samples; empty = joint limits, half a turn for continuous joints
+	/// [variables] bounds of the samples. Empty: joint limits; continuous joints go round, the shorter way. Within bounds they do not.
+	std::vector<double> lower, upper;
 	double start_time = 0; ///< seconds on the clock
 	double deadline = 0;   ///< the goal is reached by then
-	/// The goal's state is proved to rest from the arrival until then; NaN = until all other tracks have ended.
+	/// The goal's state is proved to rest from the arrival until then, which may be before the deadline, or the arrival; NaN = until all
+	/// other tracks have ended.
 	double hold_until = std::numeric_limits<double>::quiet_NaN();
 	std::uint64_t seed = 1;
 	std::size_t most_nodes = 1 << 18; ///< of both trees
@@ -70,7 +73,8 @@ public:
 	/// @param query made for the checker
 	Outcome solve( lw_query* query, const Stop& stop = {} );
 
-	/// After SOLVED: from start_time to the arrival, proved as a whole with tolerances and lags, and resting afterwards.
+	/// After SOLVED: from start_time to the arrival, proved as a whole with tolerances and lags, and resting afterwards. A start that is
+	/// a goal and may stay there is the path, at start_time. Numbers of continuous joints go on: the last ones are those of the goal, or whole turns away.
 	const TimedPath& path() const;
 	const Statistics& statistics() const;
 	const std::string& endProblem() const;
