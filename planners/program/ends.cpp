@@ -26,14 +26,23 @@ const char* const how_to_write = "write joint=value,joint=value, the name of a g
 	throw io::Error( "command line", option, problem, remedy );
 }
 
-// The value of an option.
-struct End
+// The variable that is meant, by its name with the prefix or without. @throws io::Error
+std::string variableMeant( const std::string& option, const std::string& name, const io::RobotModel& robot,
+    const std::vector<std::string>& known, const std::string& prefix )
 {
-	Values values;
-	std::string group; // of the named state; empty for values
-};
+	const std::string full = name.rfind( prefix, 0 ) == 0 ? name : prefix + name;
+	for ( const std::string& meant : { prefix + name, full } )
+	{
+		if ( std::find( known.begin(), known.end(), meant ) != known.end() )
+		{
+			return meant;
+		}
+	}
+	const UnknownVariable why = explainUnknown( full, robot );
+	wrong( option + " " + name, why.problem, why.remedy );
+}
 
-End parseValues( const std::string& option, const std::string& text, const io::RobotModel& robot )
+End parseValues( const std::string& option, const std::string& text, const io::RobotModel& robot, const std::string& prefix )
 {
 	End end;
 	const std::vector<std::string> known = variableNames( robot );
@@ -48,18 +57,14 @@ End parseValues( const std::string& option, const std::string& text, const io::R
 			wrong( option, fmt::format( "'{}' is not joint=value", part ), how_to_write );
 		}
 		const std::string name = trimmed( part.substr( 0, equals ) ), value = trimmed( part.substr( equals + 1 ) );
-		if ( std::find( known.begin(), known.end(), name ) == known.end() )
-		{
-			const UnknownVariable why = explainUnknown( name, robot );
-			wrong( option + " " + name, why.problem, why.remedy );
-		}
+		const std::string meant = variableMeant( option, name, robot, known, prefix );
 		const std::optional<double> number_ = finiteNumber( value );
 		if ( !number_ )
 		{
 			wrong( option + " " + name, fmt::format( "'{}' is not a finite number", value ),
 			    "give a finite number in radians or metres" );
 		}
-		if ( !end.values.emplace( name, *number_ ).second )
+		if ( !end.values.emplace( meant, *number_ ).second )
 		{
 			wrong( option + " " + name, "is given twice", "remove one of them" );
 		}
@@ -107,15 +112,6 @@ End valuesOf( const std::string& option, const io::GroupState& state, const io::
 		}
 	}
 	return end;
-}
-
-End parse( const std::string& option, const std::string& text, const std::string& group, const io::RobotModel& robot )
-{
-	const bool named = std::any_of( robot.group_states.begin(), robot.group_states.end(),
-	    [&]( const io::GroupState& state ) { return state.name == text; } );
-	return named || text.find( '=' ) == std::string::npos
-	           ? valuesOf( option, findState( option, text, group, robot ), robot )
-	           : parseValues( option, text, robot );
 }
 
 // The word, unless a state has this name.
@@ -341,6 +337,16 @@ void clearGoal( io::Request& request, PlanEnds& ends, const std::string& option 
 
 } // namespace
 
+End parseEnd( const std::string& option, const std::string& text, const std::string& group, const io::RobotModel& robot,
+    const std::string& prefix )
+{
+	const bool named = std::any_of( robot.group_states.begin(), robot.group_states.end(),
+	    [&]( const io::GroupState& state ) { return state.name == prefix + text; } );
+	return named || text.find( '=' ) == std::string::npos
+	           ? valuesOf( option, findState( option, prefix + text, group, robot ), robot )
+	           : parseValues( option, text, robot, prefix );
+}
+
 PlanEnds readEnds( const PlanOptions& options, Input& input )
 {
 	const bool from_file = input.request.has_value();
@@ -361,7 +367,7 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 		const End goal =
 		    ends.goal_is_random
 		        ? End{ randomFreeState( "--goal random", withRequest( input, request ), wanted, 2 * options.seed + 1 ), "" }
-		        : parse( "--goal", options.goal, wanted, input.robot );
+		        : parseEnd( "--goal", options.goal, wanted, input.robot );
 		state_group = goal.group;
 		clearGoal( request, ends, stateElement( "--goal", options.goal, input.robot ) );
 		for ( const auto& [name, value] : goal.values )
@@ -389,7 +395,7 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 		const End start =
 		    isRandom( options.start, input.robot )
 		        ? End{ randomFreeState( "--start random", withRequest( input, request ), wanted, 2 * options.seed ), "" }
-		        : parse( "--start", options.start, wanted, input.robot );
+		        : parseEnd( "--start", options.start, wanted, input.robot );
 		if ( ends.group.empty() && !state_group.empty() && !start.group.empty() && start.group != state_group )
 		{
 			wrong( "--start", fmt::format( "is a state of group {}, --goal of group {}", start.group, state_group ),

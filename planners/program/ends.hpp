@@ -23,6 +23,19 @@ struct PlanEnds
 	bool goal_is_random = false; ///< then whole turns away it is as good
 };
 
+/// The value of --start or --goal.
+struct End
+{
+	Values values;
+	std::string group; ///< of the named state; empty for values
+};
+
+/// joint=value,joint=value, or the name of a group_state: of `group` if it has one, else the only one there is.
+/// @param prefix of names of joints and states, which the text may leave out: of a robot in a world, "left/"
+/// @throws io::Error (no such state, joint or value; a joint given twice)
+End parseEnd( const std::string& option, const std::string& text, const std::string& group, const io::RobotModel& robot,
+    const std::string& prefix = {} );
+
 /// Puts the ends of --start, --goal and --goal-pose into input.request, which may be empty before. A group_state stands for its joints' values,
 /// random for a free state by PlanOptions::seed.
 /// The group is that of --group, else of the request, else of the state that --goal or --start names, else all joints.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway world plan: robots beside all that moves, in states and time.
 #include "leeway/motions/trajectory.hpp"
-#include "leeway/planners/timed_planner.hpp"
-#include "motions/csv.hpp"
 #include "motions/names.hpp"
 #include "motions/report.hpp"
+#include "motions/timed_robots.hpp"
+#include "program/ends.hpp"
 #include "program/world_cell.hpp"
 
 #include <fmt/format.h>
@@ -46,54 +46,7 @@ std::vector<Wanted> wantedOf( const WorldOptions& options )
 	return out;
 }
 
-/// Values of a goal, by their names with the robot's; joints that it does not name keep theirs.
-std::vector<double> goalOf(
-    const io::WorldModel& world, const io::WorldPart& part, const Wanted& wanted, std::vector<double> values )
-{
-	const auto set = [&]( const std::string& name, double value )
-	{
-		auto found = std::find( part.variables.begin(), part.variables.end(), part.name + "/" + name );
-		found = found != part.variables.end() ? found : std::find( part.variables.begin(), part.variables.end(), name );
-		if ( found == part.variables.end() )
-		{
-			throw io::Error( "command line", wanted.option, fmt::format( "robot {} has no joint '{}'", part.name, name ),
-			    useOneOf( part.name + "/" + name, part.variables ) );
-		}
-		values[static_cast<std::size_t>( found - part.variables.begin() )] = value;
-	};
-	if ( wanted.state.find( '=' ) == std::string::npos )
-	{
-		const io::GroupState& state = world.robot.useGroupState( "", part.name + "/" + wanted.state );
-		for ( const io::JointModel& joint : world.robot.joints )
-		{
-			const std::vector<std::string> names = io::variableNames( joint );
-			const auto found = state.joints.find( joint.name );
-			for ( std::size_t i = 0; found != state.joints.end() && i < names.size() && i < found->second.size(); ++i )
-			{
-				set( names[i], found->second[i] );
-			}
-		}
-		return values;
-	}
-	for ( std::size_t from = 0; from <= wanted.state.size(); )
-	{
-		const std::size_t comma = std::min( wanted.state.find( ',', from ), wanted.state.size() );
-		const std::string one = trimmed( wanted.state.substr( from, comma - from ) );
-		from = comma + 1;
-		const std::size_t equals = one.rfind( '=' );
-		const std::optional<double> value =
-		    equals == std::string::npos ? std::nullopt : finiteNumber( trimmed( one.substr( equals + 1 ) ) );
-		if ( !value )
-		{
-			throw io::Error( "command line", wanted.option, fmt::format( "'{}' is not joint=value", one ),
-			    "write ROBOT=JOINT=VALUE,JOINT=VALUE with finite numbers" );
-		}
-		set( trimmed( one.substr( 0, equals ) ), *value );
-	}
-	return values;
-}
-
-/// A robot of the world as the planner takes it.
+/// A robot of the world as the planner takes it. Joints that the goal does not name keep their values.
 planners::TimedRobot robotOf( Cell& cell, const Wanted& wanted, const JointLimits& limits, double from )
 {
 	const io::WorldModel& world = cell.world();
@@ -102,18 +55,14 @@ planners::TimedRobot robotOf( Cell& cell, const Wanted& wanted, const JointLimit
 	{
 		throw io::Error( "command line", wanted.option, wanted.robot + " is an object", "name a robot of the world" );
 	}
-	const std::vector<double> standing = cell.schedule().state( from );
-	planners::TimedRobot robot;
-	robot.name = part.name;
-	robot.lag = part.lag;
-	robot.velocity = velocityLimits( world, part, limits );
-	robot.tolerance = part.tolerance;
-	robot.variables = cell.schedule().variables( part.name );
-	for ( const std::uint32_t v : robot.variables )
+	planners::TimedRobot robot = timedRobot( world, cell.schedule(), part.name, limits, from );
+	const Values goal = parseEnd( wanted.option, wanted.state, "", world.robot, part.name + "/" ).values;
+	robot.goals = { robot.start };
+	for ( std::size_t i = 0; i < part.variables.size(); ++i )
 	{
-		robot.start.push_back( standing[v] );
+		const auto value = goal.find( part.variables[i] );
+		robot.goals[0][i] = value != goal.end() ? value->second : robot.start[i];
 	}
-	robot.goals = { goalOf( world, part, wanted, robot.start ) };
 	return robot;
 }
 
@@ -188,8 +137,8 @@ std::string describe( const planners::SchedulePlan& plan, const std::vector<plan
 	for ( std::size_t r = 0; r < robots.size(); ++r )
 	{
 		const planners::TimedPath& path = plan.paths[r];
-		text += fmt::format( "{:<12}{} points, from {:g} s to {:.3f} s\n", robots[r].name, path.count(), path.times.front(),
-		    path.times.back() );
+		text += fmt::format( "{:<12}{}, from {:g} s to {:.3f} s\n", robots[r].name, counted( path.count(), "point" ),
+		    path.times.front(), path.times.back() );
 	}
 	if ( plan.order.size() > 1 )
 	{
@@ -229,7 +178,6 @@ int runWorldPlan( const WorldOptions& options )
 	{
 		robots.push_back( robotOf( cell, one, limits, options.from ) );
 	}
-	const lw_clock others = cell.schedule().clockWithout( { focus.begin(), focus.end() }, options.deadline );
 	planners::ScheduleSettings settings;
 	settings.timed.timed.edge.min_d = options.common.min_d;
 	settings.timed.timed.edge.slack = options.slack;
@@ -242,14 +190,7 @@ int runWorldPlan( const WorldOptions& options )
 	planners::SchedulePlan plan;
 	{
 		const Progress progress( "planning" );
-		try
-		{
-			plan = planners::planSchedule( cell.bench().problem().checker, cell.bench().query(), robots, others, settings );
-		}
-		catch ( const planners::InputError& error )
-		{
-			throw io::Error( options.common.cell, "plan", error.what(), "correct the world or the goals" );
-		}
+		plan = planBeside( cell.world(), cell.schedule(), cell.bench().query(), robots, settings );
 	}
 	const bool solved = plan.outcome == planners::Outcome::SOLVED;
 	Results results;

@@ -2,9 +2,8 @@
 // leeway.TimedWorld: several robots and moving objects of a world file on one clock.
 #include "objects.hpp"
 
-#include "leeway/motions/schedule.hpp"
-#include "leeway/planners/timed_planner.hpp"
 #include "motions/report.hpp"
+#include "motions/timed_robots.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -117,19 +116,9 @@ struct PlanArguments
 
 planners::TimedRobot robotOf( PyTimedWorld& self, const std::string& name, const Doubles& goal, const PlanArguments& a )
 {
-	const io::WorldPart& part = self.world.part( name );
-	const Rows goals = rowsOf( goal, part.variables.size(), "goal", "variables of the part" );
-	planners::TimedRobot robot;
-	robot.name = name;
-	robot.velocity = motions::velocityLimits( self.world, part, {} );
-	robot.tolerance = part.tolerance;
-	robot.lag = part.lag;
-	const std::vector<double> standing = self.schedule->state( a.start );
-	robot.variables = self.schedule->variables( name );
-	for ( const std::uint32_t v : robot.variables )
-	{
-		robot.start.push_back( standing[v] );
-	}
+	const std::size_t count = self.world.part( name ).variables.size();
+	const Rows goals = rowsOf( goal, count, "goal", "variables of the part" );
+	planners::TimedRobot robot = motions::timedRobot( self.world, *self.schedule, name, {}, a.start );
 	for ( std::size_t i = 0; i < goals.count; ++i )
 	{
 		robot.goals.emplace_back( goals[i], goals[i] + goals.width );
@@ -140,12 +129,10 @@ planners::TimedRobot robotOf( PyTimedWorld& self, const std::string& name, const
 nb::object plan( PyTimedWorld& self, const nb::dict& goals, const PlanArguments& a )
 {
 	std::vector<planners::TimedRobot> robots;
-	std::vector<std::string> names;
 	const std::lock_guard<std::mutex> lock( self.mutex );
 	for ( const auto& [name, goal] : goals )
 	{
-		names.push_back( nb::cast<std::string>( name ) );
-		robots.push_back( robotOf( self, names.back(), nb::cast<Doubles>( goal ), a ) );
+		robots.push_back( robotOf( self, nb::cast<std::string>( name ), nb::cast<Doubles>( goal ), a ) );
 	}
 	planners::ScheduleSettings settings;
 	settings.timed.timed.edge.min_d = a.min_d;
@@ -160,15 +147,7 @@ nb::object plan( PyTimedWorld& self, const nb::dict& goals, const PlanArguments&
 	{
 		const nb::gil_scoped_release unlocked;
 		const Query query = makeQuery( self.problem->checker.get() );
-		const lw_clock others = self.schedule->clockWithout( names, a.deadline );
-		try
-		{
-			made = planners::planSchedule( self.problem->checker, query.get(), robots, others, settings );
-		}
-		catch ( const planners::InputError& error )
-		{
-			throw io::Error( self.world.file, "plan", error.what(), "correct the world or the goals" );
-		}
+		made = motions::planBeside( self.world, *self.schedule, query.get(), robots, settings );
 	}
 	nb::dict out;
 	out["solved"] = made.outcome == planners::Outcome::SOLVED;
