@@ -18,6 +18,7 @@ void addStartup( Bench& bench );
 void addStates( Bench& bench );
 // those that need OMPL
 void addAuditEdges( Bench& bench );
+void addCells( Bench& bench ); ///< and leeway::motions
 void addEdges( Bench& bench );
 void addPlanning( Bench& bench );
 void addPose( Bench& bench ); ///< and inverse kinematics

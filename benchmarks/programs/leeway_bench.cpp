@@ -15,6 +15,9 @@ int main( int argc, char** argv )
 #ifdef LEEWAY_BENCH_IK
 	addPose( bench );
 #endif
+#ifdef LEEWAY_BENCH_CELLS
+	addCells( bench );
+#endif
 	addClock( bench );
 	addCloud( bench );
 	addReach( bench );

@@ -349,17 +349,22 @@ std::vector<double> velocityLimits( const io::WorldModel& world, const io::World
 	for ( const std::string& variable : part.variables )
 	{
 		double velocity = 0;
+		bool may_stand = false;
 		for ( const io::JointModel& joint : world.robot.joints )
 		{
 			const std::vector<std::string> names = io::variableNames( joint );
-			velocity = std::find( names.begin(), names.end(), variable ) != names.end() ? joint.velocity : velocity;
+			if ( std::find( names.begin(), names.end(), variable ) != names.end() )
+			{
+				velocity = joint.velocity;
+				may_stand = joint.type == LW_JOINT_PLANAR || joint.type == LW_JOINT_FLOATING;
+			}
 		}
 		for ( const std::string& name : { variable.substr( part.name.size() + 1 ), variable } )
 		{
 			const auto found = limits.velocity.find( name );
 			velocity = found != limits.velocity.end() && !std::isnan( found->second ) ? found->second : velocity;
 		}
-		if ( !( velocity > 0 ) )
+		if ( !( velocity > 0 ) && !may_stand )
 		{
 			throw io::Error( world.file, part.element + ": joint " + variable,
 			    "has no velocity limit, and a plan in time needs one", "give joint limits with max_velocity" );

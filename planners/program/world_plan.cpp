@@ -3,7 +3,7 @@
 #include "leeway/motions/trajectory.hpp"
 #include "motions/names.hpp"
 #include "motions/report.hpp"
-#include "motions/timed_robots.hpp"
+#include "leeway/motions/timed_robots.hpp"
 #include "program/ends.hpp"
 #include "program/world_cell.hpp"
 
@@ -57,21 +57,22 @@ planners::TimedRobot robotOf( Cell& cell, const Wanted& wanted, const JointLimit
 	}
 	planners::TimedRobot robot = timedRobot( world, cell.schedule(), part.name, limits, from );
 	const Values goal = parseEnd( wanted.option, wanted.state, "", world.robot, part.name + "/" ).values;
-	robot.goals = { robot.start };
+	std::vector<double> values = wholePoint( world, cell.schedule(), robot, robot.start.data() );
 	for ( std::size_t i = 0; i < part.variables.size(); ++i )
 	{
 		const auto value = goal.find( part.variables[i] );
-		robot.goals[0][i] = value != goal.end() ? value->second : robot.start[i];
+		values[i] = value != goal.end() ? value->second : values[i];
 	}
+	robot.goals = { goalOf( world, cell.schedule(), robot, values ) };
 	return robot;
 }
 
-std::string trajectoryText( const io::WorldPart& part, const planners::TimedPath& path )
+std::string trajectoryText( const io::Problem& problem, const planners::TimedRobot& robot, const planners::TimedPath& path )
 {
 	Json trajectory;
-	for ( const std::string& variable : part.variables )
+	for ( const std::uint32_t v : robot.variables )
 	{
-		trajectory["joint_names"].push_back( variable.substr( part.name.size() + 1 ) );
+		trajectory["joint_names"].push_back( problem.variable_names[v].substr( robot.name.size() + 1 ) );
 	}
 	for ( std::size_t i = 0; i < path.count(); ++i )
 	{
@@ -101,7 +102,7 @@ Results trajectoriesOf( const WorldOptions& options, const Cell& cell, const std
 	{
 		const std::string file = ( std::filesystem::path( options.out ) / ( robots[r].name + ".json" ) ).string();
 		out.files.push_back( std::make_unique<OutputFile>( "--out", file ) );
-		out.files.back()->text = trajectoryText( cell.world().part( robots[r].name ), plan.paths[r] );
+		out.files.back()->text = trajectoryText( cell.bench().problem(), robots[r], plan.paths[r] );
 		out.again += fmt::format( " --motion {}={}", robots[r].name, file );
 	}
 	return out;

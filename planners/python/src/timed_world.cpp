@@ -3,7 +3,7 @@
 #include "objects.hpp"
 
 #include "motions/report.hpp"
-#include "motions/timed_robots.hpp"
+#include "leeway/motions/timed_robots.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -121,7 +121,7 @@ planners::TimedRobot robotOf( PyTimedWorld& self, const std::string& name, const
 	planners::TimedRobot robot = motions::timedRobot( self.world, *self.schedule, name, {}, a.start );
 	for ( std::size_t i = 0; i < goals.count; ++i )
 	{
-		robot.goals.emplace_back( goals[i], goals[i] + goals.width );
+		robot.goals.push_back( motions::goalOf( self.world, *self.schedule, robot, { goals[i], goals[i] + goals.width } ) );
 	}
 	return robot;
 }
@@ -159,9 +159,14 @@ nb::object plan( PyTimedWorld& self, const nb::dict& goals, const PlanArguments&
 	for ( std::size_t r = 0; r < made.paths.size(); ++r )
 	{
 		const planners::TimedPath& path = made.paths[r];
-		const NewArray<double> times( { path.count() } ), positions( { path.count(), path.dimension } );
+		const std::size_t width = self.world.part( robots[r].name ).variables.size();
+		const NewArray<double> times( { path.count() } ), positions( { path.count(), width } );
 		std::copy( path.times.begin(), path.times.end(), times.data );
-		std::copy( path.values.begin(), path.values.end(), positions.data );
+		for ( std::size_t i = 0; i < path.count(); ++i )
+		{
+			const std::vector<double> whole = motions::wholePoint( self.world, *self.schedule, robots[r], path[i] );
+			std::copy( whole.begin(), whole.end(), positions.data + i * width );
+		}
 		paths[robots[r].name.c_str()] = nb::make_tuple( times.object, positions.object );
 	}
 	out["paths"] = paths;

@@ -152,6 +152,23 @@ TEST_F( CliWorld, ATrajectoryIsAnotherPlan )
 	EXPECT_EQ( both.status, 0 ) << both.out << both.err;
 }
 
+// MoveIt's SRDFs have a floating joint between the world and an arm that is bolted down.
+TEST_F( CliWorld, ABaseIsPlannedLikeAJoint )
+{
+	write( "base.srdf", readFile( path( "arm.srdf" ) ) );
+	edit( "base.srdf", "</robot>",
+	    "<virtual_joint name='base_joint' type='floating' parent_frame='map' child_link='base'/></robot>" );
+	edit( "cell.yaml", "srdf: arm.srdf, base:", "srdf: base.srdf, base:" );
+	const Outcome plan =
+	    ask( "plan", { "--goal", "right=shoulder=0.4,elbow=0.2", "--deadline", "9", "--out", path( "motions" ) } );
+	ASSERT_EQ( plan.status, 0 ) << plan.out << plan.err;
+	EXPECT_FALSE( contains( readFile( path( "motions/right.json" ) ), "base_joint" ) );
+	EXPECT_EQ( ask( "audit", { "--motion", "right=" + path( "motions/right.json" ) } ).status, 0 );
+	const Outcome moved = ask( "plan", { "--goal", "right=base_joint/trans_x=0.4", "--deadline", "9" } );
+	EXPECT_EQ( moved.status, 2 );
+	EXPECT_TRUE( contains( moved.err, "right/base_joint/trans_x: has no velocity limit" ) ) << moved.err;
+}
+
 TEST_F( CliWorld, AMissingGoalIsNotNamed )
 {
 	const auto error = [&]( const std::vector<std::string>& more )

@@ -77,7 +77,7 @@ private:
 };
 
 /// Largest velocities of a part's variables: of `limits`, by names with or without the robot's, else of the robot's description.
-/// @return [io::WorldPart::variables] @throws io::Error for a variable without one
+/// @return [io::WorldPart::variables]; 0 for those of planar and floating joints without one @throws io::Error for another variable without one
 std::vector<double> velocityLimits( const io::WorldModel& world, const io::WorldPart& part, const JointLimits& limits );
 
 struct ScheduleSettings
