@@ -97,7 +97,7 @@ struct TimedPlanner::Parts
 	bool join( unsigned side, std::uint32_t node );
 	std::uint32_t nearest( unsigned side, const double* q, double time ) const;
 	void finish( std::uint32_t from_start, std::uint32_t from_goal );
-	bool isFree( const TimedPath& whole );
+	bool isFree( const TimedPath& whole, std::size_t from );
 	void improve( Deadline& deadline );
 	bool proveWhole();
 	TimedPath made( std::vector<double> times, const std::vector<const double*>& states ) const;
@@ -362,11 +362,11 @@ void TimedPlanner::Parts::finish( std::uint32_t from_start, std::uint32_t from_g
 	path = made( std::move( times ), states );
 }
 
-/// All motions of a path, and the rest behind it.
-bool TimedPlanner::Parts::isFree( const TimedPath& whole )
+/// The motions of a path behind a state, and the rest behind it.
+bool TimedPlanner::Parts::isFree( const TimedPath& whole, std::size_t from )
 {
 	bool free = true;
-	for ( std::size_t i = 1; free && i < whole.count(); ++i )
+	for ( std::size_t i = from + 1; free && i < whole.count(); ++i )
 	{
 		free = motion.isFree( whole[i - 1], whole.times[i - 1], whole[i], whole.times[i] );
 	}
@@ -396,7 +396,7 @@ void TimedPlanner::Parts::improve( Deadline& deadline )
 				continue;
 			}
 			TimedPath shorter = made( std::move( times ), states );
-			if ( isFree( shorter ) )
+			if ( isFree( shorter, a ) ) // all before it is as it was
 			{
 				path = std::move( shorter );
 				break;
