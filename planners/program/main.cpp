@@ -185,6 +185,15 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	            "push the path away from obstacles and links, up to this clearance above --min-d, for 10 ms; at most a tenth longer (default 0: "
 	            "no)" )
 	        ->type_name( "M" ) );
+	rare(
+	    command
+	        ->add_option( "--others", options.others,
+	            "a world file with this robot and all that moves: plan in time, as leeway world plan, with --goal ROBOT=STATE" )
+	        ->type_name( "W.yaml" ) );
+	rare( command
+	          ->add_option(
+	              "--deadline", options.deadline, "with --others: seconds on the clock by which the goal is reached" )
+	          ->type_name( "T" ) );
 	rare( command->add_option( "--seed", options.seed, "seed of the random numbers, 1 or more (default 1)" )
 	          ->type_name( "N" ) );
 	rare(
@@ -452,6 +461,11 @@ void validate( const CLI::App& chosen, const PlanOptions& options )
 	{
 		requirePositive( "--threads", options.threads );
 	}
+	if ( chosen.get_option( "--deadline" )->count() > 0 )
+	{
+		throw io::Error( "command line", "--deadline", "is about a plan in time, and nothing moves",
+		    "add --others WORLD.yaml, or leave it out" );
+	}
 }
 
 int dispatchAudit( const CLI::App& chosen, AuditOptions& options )
@@ -602,6 +616,29 @@ std::string misspeltOption( const CLI::App& command, int argc, char** argv )
 	return "";
 }
 
+// `leeway plan --others W.yaml` is `leeway world plan --world W.yaml`; other words stay as they are.
+std::vector<std::string> handedOver( int argc, char** argv )
+{
+	std::vector<std::string> words( argv, argv + argc );
+	const auto isOption = []( const std::string& word, const std::string& option )
+	{ return word == option || word.compare( 0, option.size() + 1, option + "=" ) == 0; };
+	const auto isOthers = [&]( const std::string& word ) { return isOption( word, "--others" ); };
+	if ( argc < 2 || words[1] != "plan" || std::none_of( words.begin(), words.end(), isOthers ) )
+	{
+		return words;
+	}
+	words.insert( words.begin() + 1, "world" );
+	for ( std::string& word : words )
+	{
+		for ( const auto& [of_plan, of_world] : { std::pair<std::string, std::string>( "--others", "--world" ),
+		          { "--time", "--seconds" }, { "--report", "--json" } } )
+		{
+			word = isOption( word, of_plan ) ? of_world + word.substr( of_plan.size() ) : word;
+		}
+	}
+	return words;
+}
+
 // Every failure becomes one line and exit status 2.
 int guarded( const std::function<int()>& run )
 {
@@ -650,9 +687,18 @@ int runBench( int argc, char** argv )
 
 } // namespace leeway::cli
 
-int main( int argc, char** argv )
+int main( int given_count, char** given )
 {
 	using namespace leeway::cli;
+	std::vector<std::string> words = handedOver( given_count, given );
+	std::vector<char*> pointers;
+	for ( std::string& word : words )
+	{
+		pointers.push_back( word.data() );
+	}
+	const int argc = static_cast<int>( words.size() );
+	pointers.push_back( nullptr );
+	char** argv = pointers.data();
 	installSignalHandlers();
 	Commands commands;
 	chooseHelp( argc, argv );

@@ -135,6 +135,8 @@ struct PlanOptions
 	bool simplify = true;
 	double resolution = 1e-4; ///< metres, of the audit
 	bool list_planners = false;
+	std::string others;  ///< a world file: the command line then is one of leeway world plan, and this is empty
+	double deadline = 0; ///< of a plan in time
 };
 
 struct AuditOptions

@@ -152,6 +152,26 @@ TEST_F( CliWorld, ATrajectoryIsAnotherPlan )
 	EXPECT_EQ( both.status, 0 ) << both.out << both.err;
 }
 
+TEST_F( CliWorld, PlanWithOthersIsAnotherPlan )
+{
+	ASSERT_EQ( ask( "plan", { "--goal", "right=shoulder=0.4,elbow=0.2", "--deadline", "9", "--out", path( "a" ), "--seconds",
+	                            "5", "--seed", "2" } )
+	               .status,
+	    0 );
+	const Outcome plan = run( { "plan", "--others=cell.yaml", "--goal", "right=shoulder=0.4,elbow=0.2", "--deadline", "9",
+	    "--out", path( "b" ), "--time", "5", "--seed", "2", "--report", "b.json", "--no-cache" } );
+	ASSERT_EQ( plan.status, 0 ) << plan.out << plan.err;
+	EXPECT_EQ( readFile( path( "b/right.json" ) ), readFile( path( "a/right.json" ) ) );
+	EXPECT_EQ( nlohmann::json::parse( readFile( path( "b.json" ) ) )["outcome"], "solved" );
+	// options of other plans are told, and so is a deadline of these
+	const Outcome robot = run( { "plan", "--others", "cell.yaml", "--robot", "arm.urdf", "--goal", "right=shoulder=0.4" } );
+	EXPECT_EQ( robot.status, 2 );
+	EXPECT_TRUE( contains( robot.err, "--robot" ) ) << robot.err;
+	const Outcome deadline = runModel( "plan", { "--goal", "shoulder=0.1", "--deadline", "9" } );
+	EXPECT_EQ( deadline.status, 2 );
+	EXPECT_TRUE( contains( deadline.err, "add --others" ) ) << deadline.err;
+}
+
 // MoveIt's SRDFs have a floating joint between the world and an arm that is bolted down.
 TEST_F( CliWorld, ABaseIsPlannedLikeAJoint )
 {
