@@ -136,6 +136,9 @@ void bindViews( nb::module_& module );
 /// The __reduce__ of classes that hold proofs and caches of one process: pickle, copy and multiprocessing call it. @throws nb::type_error
 [[noreturn]] void refusePickle( const nb::object& );
 
+/// 32 hexadecimal digits.
+std::string digestText( lw_digest digest );
+
 /// State of a shape for pickle: a blob.
 nb::bytes shapeState( const Shape& shape );
 Shape shapeFromState( const nb::bytes& bytes );

@@ -259,15 +259,6 @@ std::map<std::string, double> velocityLimits( const PyRobot& robot )
 	return out;
 }
 
-std::string digest( const PyRobot& robot )
-{
-	const lw_digest value = lw_robot_digest( robot.robot.get() );
-	char text[33];
-	std::snprintf( text, sizeof( text ), "%016llx%016llx", static_cast<unsigned long long>( value.word[0] ),
-	    static_cast<unsigned long long>( value.word[1] ) );
-	return text;
-}
-
 nb::dict collision( const PyRobot& robot )
 {
 	nb::dict out;
@@ -389,7 +380,9 @@ void bindProperties( nb::class_<PyRobot>& type )
 	type.def_prop_ro(
 	    "notices", []( const PyRobot& r ) { return noticeLines( r.model->report.notices ); },
 	    "Lines on input that the reader changed, assumed or ignored." );
-	type.def_prop_ro( "digest", &digest, "32 hexadecimal digits: robots with equal answers have equal digests." );
+	type.def_prop_ro(
+	    "digest", []( const PyRobot& robot ) { return digestText( lw_robot_digest( robot.robot.get() ) ); },
+	    "32 hexadecimal digits: robots with equal answers have equal digests." );
 	type.def_prop_ro( "collision", &collision,
 	    nb::sig( "def collision(self) -> dict[str, list[tuple[Shape, numpy.typing.NDArray[numpy.float64]]]]" ),
 	    "Collision shapes of each link, with their poses [4, 4] in the link's frame." );

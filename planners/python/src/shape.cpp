@@ -160,14 +160,6 @@ nb::object bounds( const Shape& shape )
 	return out.object;
 }
 
-std::string digestText( lw_digest digest )
-{
-	char text[33];
-	std::snprintf( text, sizeof( text ), "%016llx%016llx", static_cast<unsigned long long>( digest.word[0] ),
-	    static_cast<unsigned long long>( digest.word[1] ) );
-	return text;
-}
-
 std::string shapeRepr( const Shape& shape )
 {
 	const lw_shape_info info = lw_shape_peek_info( shape.get() );
@@ -339,6 +331,14 @@ void bindMakers( nb::class_<Shape>& type )
 }
 
 } // namespace
+
+std::string digestText( lw_digest digest )
+{
+	char text[33];
+	std::snprintf( text, sizeof( text ), "%016llx%016llx", static_cast<unsigned long long>( digest.word[0] ),
+	    static_cast<unsigned long long>( digest.word[1] ) );
+	return text;
+}
 
 void bindShapes( nb::module_& module )
 {

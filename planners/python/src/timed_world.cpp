@@ -205,6 +205,12 @@ void bindTimedWorlds( nb::module_& module )
 	type.def_prop_ro( "parts", &partsOf,
 	    "Robots, then objects that move: dicts with name, kind ('robot', 'object'), variables, lag, spread_speed, spread_start." );
 	type.def_prop_ro(
+	    "files", []( const PyTimedWorld& self ) { return self.world.files; },
+	    "Files that the world names, and itself: robots, SRDFs, motions, the scene. Not those of meshes." );
+	type.def_prop_ro(
+	    "digest", []( const PyTimedWorld& self ) { return digestText( lw_robot_digest( self.problem->robot.get() ) ); },
+	    "Robot.digest of the one robot that the world is read into." );
+	type.def_prop_ro(
 	    "variables", []( const PyTimedWorld& self ) { return self.problem->variable_names; },
 	    "Names of the entries of a state: all joints of all parts." );
 	type.def_prop_ro(

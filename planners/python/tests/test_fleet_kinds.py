@@ -413,6 +413,55 @@ kind = "spheres"
     assert found.tables["00 states, arm"]["states"].sum() == 1800 and "content" in text and "p95_ms" in repr(found)
 
 
+WORLD = """leeway_world: 1
+robots:
+  - {name: a, robot: arm.urdf, srdf: arm.srdf, motion: swing.yaml}
+  - {name: b, robot: arm.urdf, srdf: arm.srdf, base: {position: [AWAY, 0, 0], orientation: [0, 0, 1, 0]}}
+objects:
+  - {name: crate, shapes: [{type: box, dimensions: [0.1, 0.1, 0.1]}], pose: {position: [0, 3, 0.5]}, motion: [{start: 0, end: 3, position: [0, -3, 3]}]}
+"""
+
+
+def test_schedules_of_world_files_need_no_robots(tmp_path):
+    for name in ("arm.urdf", "arm.srdf"):
+        (tmp_path / name).write_text((FIRST / name).read_text())
+    (tmp_path / "swing.yaml").write_text("joint_names: [shoulder, elbow]\npoints:\n  - {positions: [0, 0.4], time_from_start: 0}\n"
+        "  - {positions: [0.9, 0.4], time_from_start: 2}\n")
+    for k, away in enumerate((3.0, 0.45)):
+        (tmp_path / f"cell{k}.yaml").write_text(WORLD.replace("AWAY", str(away)))
+    text = 'name = "worlds"\n[[work]]\nkind = "schedules"\nfiles = ["cell*.yaml"]\ncontact_resolution = 1e-3\n'
+    (tmp_path / "c.toml").write_text(text)
+    for workers in (0, 2):
+        found = run(tmp_path / "c.toml", tmp_path / f"out{workers}", workers=workers, quiet=True)
+        assert found.complete, found
+    folder = tmp_path / "out0"
+    assert read_manifest(folder)[0]["id"] == read_manifest(tmp_path / "out2")[0]["id"]
+    frame = frame_of(folder, parts_of(read_manifest(folder)[0])[0])
+    for k, row in enumerate(frame.itertuples()):
+        world = leeway.TimedWorld(str(tmp_path / f"cell{k}.yaml"))
+        expected = world.prove(contact_resolution=1e-3)
+        assert row.file == f"cell{k}.yaml" and leeway.Verdict(row.verdict).name == expected["verdict"] and row.end == 3
+        assert row.lower == expected["lower_bound"] or row.verdict != 1
+    assert list(frame["verdict"]) == [1, 2] and frame["digest"].nunique() == 2
+    assert 0 <= frame["time"][1] <= 3 and frame["first"][1].split("/")[0] != frame["second"][1].split("/")[0]
+    assert report(folder).tables["00 schedules, worlds"]["FREE"].sum() == 1
+    # a motion of another world, by its digest; a world of another plan
+    (tmp_path / "swing.yaml").write_text((tmp_path / "swing.yaml").read_text().replace("0.9", "0.8"))
+    assert run(tmp_path / "c.toml", tmp_path / "again", workers=0, quiet=True).complete
+    other = frame_of(tmp_path / "again", parts_of(read_manifest(tmp_path / "again")[0])[0])
+    assert not set(other["digest"]) & set(frame["digest"])
+    (tmp_path / "cell1.yaml").write_text(WORLD.replace("AWAY", "0.5"))
+    with pytest.raises(FleetError, match="another"):
+        run(tmp_path / "c.toml", folder, workers=0, quiet=True)
+    for wrong, message in (('[[work]]\nkind = "schedules"\n', "files: is missing; name world files"),
+            ('[[work]]\nkind = "schedules"\nfiles = ["cell0.yaml"]\nstart = 2\nend = 1\n', "end: is before start"),
+            ('[[work]]\nkind = "states"\n', r"robots: is missing; add a table \[robots.NAME\]"),
+            ('[robots.arm]\nurdf = "arm.urdf"\n[[work]]\nkind = "schedules"\nfiles = ["cell0.yaml"]\nrobots = ["arm"]\n', "has robots or scenes, which schedules have in their files")):
+        (tmp_path / "c.toml").write_text('name = "worlds"\n' + wrong)
+        with pytest.raises(FleetError, match=message):
+            run(tmp_path / "c.toml", tmp_path / "wrong", workers=0, quiet=True)
+
+
 def test_databases_of_planner_arena_hold_the_plans(campaign, spheres, tmp_path):
     from leeway.fleet.arena import write_logs
     frame, folder = campaign('[[work]]\nkind = "plans"\nscenes = ["desk"]\nrows = 5\nplanners = [{name = "a"}, {name = "b"}]\n')

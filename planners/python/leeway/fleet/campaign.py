@@ -45,7 +45,7 @@ class Option(NamedTuple):
 
 REQUIRED = object()
 KINDS_OF_VALUES = {str: "text in quotes", int: "a whole number", float: "a number", bool: "true or false", list: "a list", dict: "a table"}
-TOP = {"name": Option(str, REQUIRED), "seed": Option(int, 1, 0), "shard_rows": Option(int, SHARD_ROWS, 1), "robots": Option(dict, REQUIRED, of=dict),
+TOP = {"name": Option(str, REQUIRED), "seed": Option(int, 1, 0), "shard_rows": Option(int, SHARD_ROWS, 1), "robots": Option(dict, {}, of=dict),
     "scenes": Option(dict, {}, of=dict), "work": Option(list, REQUIRED, of=dict)}
 ROBOT = {"urdf": Option(str, REQUIRED), "srdf": Option(str, ""), "group": Option(str, ""), "packages": Option(list, []),
     "reference": Option(dict, {}, of=float), "spheres": Option(str, "")}
@@ -142,6 +142,10 @@ def load_campaign(file, kinds: dict[str, Any]) -> Campaign:
         if "scenes" not in given and top["scenes"] and kinds[kind].in_scenes and not entry.get("table"):
             raise FleetError(path, f"{element}.scenes", f"is missing, and the campaign has {', '.join(top['scenes'])}: the rows would be of a world without obstacles",
                 "name the scenes, or write scenes = [] for no obstacles")
+        if kinds[kind].of_robots and not top["robots"]:
+            raise FleetError(path, "robots", "is missing", f"add a table [robots.NAME], which {kind} are about")
+        if not kinds[kind].of_robots and (entry["robots"] or entry["scenes"]):
+            raise FleetError(path, element, f"has robots or scenes, which {kind} have in their files", "leave them out")
         entry["robots"] = entry["robots"] or list(top["robots"])
         _named(path, f"{element}.robots", entry["robots"], top["robots"])
         _named(path, f"{element}.scenes", entry["scenes"], top["scenes"])

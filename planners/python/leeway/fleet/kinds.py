@@ -42,6 +42,7 @@ class Rows(NamedTuple):
 class Kind:
     block = 256  #: rows that are worked on together
     in_scenes = True  #: its rows depend on obstacles
+    of_robots = True  #: it works on the campaign's robots
     options: dict[str, Option] = {}
 
     def prepare(self, campaign, element: str, entry: dict[str, Any]) -> dict[str, Any]:

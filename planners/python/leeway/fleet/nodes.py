@@ -8,6 +8,7 @@ from typing import Any
 
 from .documents import regular
 from .maker import maker, maker_text
+from .registry import KINDS
 from .shard import worlds_here
 
 __all__ = ["fault_of", "statement"]
@@ -24,7 +25,7 @@ def _look(identity: str, base: str, folder: str) -> None:
     scenes = [known[name]["file"] if name in known else name for name in plan["inputs"]["scenes"]]
     for name in [*[entry["urdf"] for entry in plan["campaign"]["robots"].values()], *scenes, *plan["inputs"]["files"]]:
         regular(worlds.folder / name, MOUNT)
-    for name in sorted({part["robot"] for part in plan["parts"]}):
+    for name in sorted({part["robot"] for part in plan["parts"] if KINDS[part["kind"]].of_robots}):
         worlds.robot(name)
 
 

@@ -105,7 +105,7 @@ def worlds_of(file) -> Worlds:
         kind = KINDS[entry["kind"]]
         scenes = [[name, campaign.values["scenes"][name]["count"]] for name in entry["scenes"]] or [["", 1]]
         options = _plain({name: entry[name] for name in kind.options})
-        for robot in entry["robots"]:
+        for robot in entry["robots"] if kind.of_robots else ["worlds"]:
             extra = kind.prepare(campaign, f"work[{i}]", entry)
             rows = kind.count(entry, extra, worlds, robot)
             part = Part(len(plan["parts"]), i, entry["kind"], robot, scenes, rows, options, extra)

@@ -125,9 +125,11 @@ def _spheres(part: Part, frame: pandas.DataFrame) -> pandas.DataFrame:
     return frame[["link", "shapes", "spheres", "encloses", "uncovered", "excess"]]
 
 
-TABLES = {"states": _states, "edges": _verdicts, "trajectories": _verdicts, "plans": _plans, "audit": _audit, "spheres": _spheres}
+TABLES = {"states": _states, "edges": _verdicts, "trajectories": _verdicts, "plans": _plans, "audit": _audit, "spheres": _spheres,
+    "schedules": _verdicts}
 PLOTTED = {"states": ("upper", "clearance, m"), "edges": ("least", "least clearance of audited edges, m"), "trajectories": ("least", "least clearance of audited trajectories, m"),
-    "plans": ("length", "length of paths, rad or m"), "audit": ("least", "least clearance of paths, m"), "spheres": ("uncovered", "part of a link outside of all spheres, m")}
+    "plans": ("length", "length of paths, rad or m"), "audit": ("least", "least clearance of paths, m"), "spheres": ("uncovered", "part of a link outside of all spheres, m"),
+    "schedules": ("lower", "proved lower bound of clearances, m")}
 
 
 def _plot(part: Part, frame: pandas.DataFrame) -> str:

@@ -94,13 +94,14 @@ class Worlds:
         with self._lock:
             return _kept(self._paths, (file, *variables), lambda: self._read_paths(file, variables))
 
-    def _check_file(self, file: str) -> None:
+    def check_file(self, file: str) -> None:
+        """Raises FleetError if a file of the work is not that of the plan."""
         expected = self.plan["inputs"].get("files", {}).get(file)
         if expected is not None and digest_of_file(regular(self.folder / file)) != expected:
             raise FleetError(self.folder / file, "", "is another file than the manifest's", "put the old file back, or give another --out folder")
 
     def _read_paths(self, file: str, variables: list[str]) -> list[PathData]:
-        self._check_file(file)
+        self.check_file(file)
         return read_paths(self.folder / file, variables)
 
     def start(self, file: str, robot: str) -> dict[str, float]:
@@ -109,7 +110,7 @@ class Worlds:
             return _kept(self._starts, (file, robot), lambda: self._read_start(file, robot))
 
     def _read_start(self, file: str, robot: str) -> dict[str, float]:
-        self._check_file(file)
+        self.check_file(file)
         found = {name: value for name, value in read_states(self.folder / file).items() if name in self.robot(robot).variables}
         if not found:
             raise FleetError(self.folder / file, "start_state", f"has no joint of the robot {robot}", "give a request of this robot")
