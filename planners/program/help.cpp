@@ -171,8 +171,8 @@ start at 0. Without a group all joints can move. Without an SRDF links that a jo
 touch, and a notice names them: `leeway pairs --out` writes an SRDF, --strict checks all pairs, --allow LINK:LINK allows a pair.
 The request's planner_id is not used.
 
-Beside things that move: leeway plan --others cell.yaml --deadline 8 --goal left=ready --out motions is leeway world plan --world cell.yaml,
-with --time for its --seconds and --report for its --json.
+Beside things that move: leeway plan --others cell.yaml --deadline 8 --goal left=ready --out motions asks `leeway world plan`; --time is that of
+each search, --report its answer as JSON, --out a folder of trajectories.
 
 A goal may also be poses of links: --goal-pose hand=0.4,0.1,0.5,0,1,0,0 (x, y, z, quaternion; without the quaternion any
 orientation), or position_constraints and orientation_constraints of the request, alone or with joint_constraints. Inverse

@@ -147,6 +147,20 @@ CLI::App* addEdge( CLI::App& app, EdgeCommandOptions& options )
 	return command;
 }
 
+/// Those that make it a plan in time: see handedOver().
+void addTimedOptions( CLI::App& command, PlanOptions& options )
+{
+	rare(
+	    command
+	        .add_option( "--others", options.others,
+	            "a world file with this robot and all that moves: plan in time, as leeway world plan, with --goal ROBOT=STATE" )
+	        ->type_name( "W.yaml" ) );
+	rare(
+	    command
+	        .add_option( "--deadline", options.deadline, "with --others: seconds on the clock by which the goal is reached" )
+	        ->type_name( "T" ) );
+}
+
 CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 {
 	CLI::App* command = app.add_subcommand( "plan", "plan a path, prove its edges, audit it" );
@@ -185,15 +199,7 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	            "push the path away from obstacles and links, up to this clearance above --min-d, for 10 ms; at most a tenth longer (default 0: "
 	            "no)" )
 	        ->type_name( "M" ) );
-	rare(
-	    command
-	        ->add_option( "--others", options.others,
-	            "a world file with this robot and all that moves: plan in time, as leeway world plan, with --goal ROBOT=STATE" )
-	        ->type_name( "W.yaml" ) );
-	rare( command
-	          ->add_option(
-	              "--deadline", options.deadline, "with --others: seconds on the clock by which the goal is reached" )
-	          ->type_name( "T" ) );
+	addTimedOptions( *command, options );
 	rare( command->add_option( "--seed", options.seed, "seed of the random numbers, 1 or more (default 1)" )
 	          ->type_name( "N" ) );
 	rare(
