@@ -19,6 +19,7 @@ constexpr unsigned delays = 16;         ///< departures that are tried before th
 constexpr unsigned rests = 64;          ///< parts of the time before the deadline in which goals are asked to rest
 constexpr unsigned samples_a_root = 20; ///< then a goal gets one more time of arrival
 constexpr double longest_step = 0.25;   ///< of the time from corner to corner of the bounds
+constexpr double no_way = 1e-9;         ///< seconds at full speed: states so near are one
 
 /// Nodes in flat arrays.
 struct TimedTree
@@ -189,7 +190,7 @@ bool TimedPlanner::Parts::isThere() const
 {
 	for ( std::size_t g = 0; g < goalCount(); ++g )
 	{
-		if ( least( start.data(), goal( g ) ) == 0 && rest_from[g] <= settings.start_time )
+		if ( least( start.data(), goal( g ) ) <= no_way && rest_from[g] <= settings.start_time + no_way )
 		{
 			return true;
 		}

@@ -269,6 +269,8 @@ TEST( TimedPlanner, ContinuousJointsGoTheLongWayRound )
 	ASSERT_GE( other.count(), 3u );
 	EXPECT_NEAR( other[other.count() - 1][0], 2 * M_PI - 1.0, 1e-9 );
 	EXPECT_GE( other.times.back(), 2 * M_PI - 2 - 1e-6 );
+	// whole turns are no way at all, but for their rounding
+	EXPECT_EQ( turned( Turntable( false ), settings, 0.7 + 10 * M_PI, 0.7 ).count(), 1u );
 	// with bounds it does not go round
 	settings.lower = { -3.1 };
 	settings.upper = { 3.1 };
