@@ -3,7 +3,7 @@
 #pragma once
 
 #include "leeway/io/world_model.hpp"
-#include "leeway/motions/timed_robots.hpp"
+#include "motions/timed_robots.hpp"
 
 #include <cstdint>
 #include <memory>

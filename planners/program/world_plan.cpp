@@ -3,7 +3,7 @@
 #include "leeway/motions/trajectory.hpp"
 #include "motions/names.hpp"
 #include "motions/report.hpp"
-#include "leeway/motions/timed_robots.hpp"
+#include "motions/timed_robots.hpp"
 #include "program/ends.hpp"
 #include "program/world_cell.hpp"
 

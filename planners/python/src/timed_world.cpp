@@ -3,7 +3,7 @@
 #include "objects.hpp"
 
 #include "motions/report.hpp"
-#include "leeway/motions/timed_robots.hpp"
+#include "motions/timed_robots.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Robots of a world as the planners in time take them, and their plan beside all else that moves. All is inline: leeway::motions stands without
-// leeway::plan, which programs that use this header link, too.
+// Robots of a world as the planners in time take them, and their plan beside all else that moves. All is inline, for programs that link both
+// libraries: leeway::motions stands without leeway::plan.
 #pragma once
 
 #include "leeway/motions/schedule.hpp"
