@@ -215,7 +215,7 @@ void lwi_near_search( const lw_checker* checker, lw_query* query, const lwi_near
 		return;
 	}
 	const lw_range range = bound->range;
-	if ( m->far && range.max_d < INFINITY )
+	if ( m->far && p.step < INFINITY && range.max_d < INFINITY )
 	{
 		const lw_range farther = { range.min_d, range.max_d + MOTIONS_AHEAD * p.step, range.alpha };
 		*bound = lwi_near_bound( query, &farther );
