@@ -277,17 +277,19 @@ static double outside( const lw_shape* mesh, uint32_t triangle, lw_vec3 point )
 
 /// Of the size of a triangle: a point that is no farther outside is on it.
 #define ON_TRIANGLE 1e-9
+/// Of the size of the mesh: so near no other triangle is nearer, but for rounding.
+#define SURELY_ON 0x1p-50
 
 uint32_t lwi_convex_mesh_triangle( const lw_shape* shape, lw_vec3 point, uint32_t near )
 {
 	const lwi_convex_mesh* mesh = shape->convex;
-	const double on = ON_TRIANGLE * mesh->reach;
+	const double on = ON_TRIANGLE * mesh->reach, surely = SURELY_ON * mesh->reach;
 	uint32_t best = near;
 	double least = outside( shape, near, point );
-	for ( int k = 0; k < 3 && least > on; ++k )
+	for ( int k = 0; k < 3 && least > surely; ++k )
 	{
 		const uint32_t corner = mesh->place[shape->indices[3 * (size_t)near + (size_t)k]];
-		for ( uint32_t i = mesh->first[corner]; i < mesh->first[corner + 1] && least > on; ++i )
+		for ( uint32_t i = mesh->first[corner]; i < mesh->first[corner + 1] && least > surely; ++i )
 		{
 			const double far = outside( shape, mesh->triangles[i], point );
 			best = far < least ? mesh->triangles[i] : best;
