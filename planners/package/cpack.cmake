@@ -55,7 +55,7 @@ set(CPACK_DEBIAN_CXX_PACKAGE_DEPENDS "libleeway${LEEWAY_ABI} (= ${PROJECT_VERSIO
 set(CPACK_COMPONENT_CXX_DESCRIPTION "certified clearance of robots, shared libraries of C++
 ${text}
 This package has the shared libraries of the C++ interfaces: files, inverse
-kinematics, motions, pairs of links, tuning.")
+kinematics, certificates, motions, pairs of links, tuning.")
 set(CPACK_DEBIAN_DEVEL_PACKAGE_NAME libleeway-dev)
 set(CPACK_DEBIAN_DEVEL_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVEL_PACKAGE_SHLIBDEPS OFF)

@@ -263,6 +263,10 @@ void validate( const AuditOptions& options )
 		wrong( "--corner-blend", "a timed trajectory is driven as it is, without rounding its corners",
 		    "give the path that is yet to be timed, by --path" );
 	}
+	if ( !trajectory && !options.corridor.empty() )
+	{
+		wrong( "--corridor", "is about one timed trajectory", "give it by --trajectory" );
+	}
 	const std::vector<std::string> known = { "auto", "linear", "cubic", "quintic" };
 	if ( std::find( known.begin(), known.end(), options.interpolation ) == known.end() )
 	{
@@ -300,6 +304,10 @@ CLI::App* addAudit( CLI::App& app, AuditOptions& options )
 	    ->type_name( "S" );
 	command->add_option( "--report", options.report, "the audit as JSON" )->type_name( "report.json" );
 	command->add_option( "--profile", options.profile, "measured clearances along it" )->type_name( "FILE.csv" );
+	rare( command
+	          ->add_option( "--corridor", options.corridor,
+	              "of a trajectory: itself as a goal, with the largest tolerances that are proved" )
+	          ->type_name( "goal.json" ) );
 	addCertificateOption( *command, options.certificate );
 	addViewOption( *command, options.view );
 	return command;

@@ -142,7 +142,7 @@ struct PlanOptions
 struct AuditOptions
 {
 	CommonOptions common;
-	std::string path, report, profile, certificate, view;
+	std::string path, report, profile, certificate, corridor, view;
 	std::string trajectory, steps, joint_limits, interpolation = "auto";
 	std::vector<std::string> tolerance; ///< VALUE or JOINT=VALUE
 	double corner_blend = 0;            ///< radians or metres; 0: roundings of a path's corners are not proved

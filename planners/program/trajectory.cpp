@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway audit --trajectory, --steps: timed trajectories, proved as a controller drives them, in a world that changes in between.
+#include "leeway/motions/corridor.hpp"
 #include "leeway/motions/motion_files.hpp"
 #include "leeway/motions/stage.hpp"
 #include "motions/report.hpp"
@@ -248,6 +249,29 @@ bool writeCertificate( const AuditOptions& options, const Input& input, const Dr
 	    { edge.min_d, chapter.tolerance, filesOf( options.common, file ), edge.flags, options.time }, file, files );
 }
 
+/// Finds and writes the corridor. @return a line for people
+std::string writeCorridor( const AuditOptions& options, const std::vector<TrajectoryFile>& files, const Driver& driver,
+    const lw_edge_def& edge, OutputFile& out )
+{
+	if ( files.size() != 1 )
+	{
+		throw io::Error( options.trajectory, "--corridor", fmt::format( "the file has {} trajectories", files.size() ),
+		    "give them one by one" );
+	}
+	const Chapter& chapter = driver.chapters.front();
+	CorridorSettings settings;
+	settings.edge = edge;
+	settings.seconds = options.time;
+	const Corridor corridor = widestCorridor( *chapter.problem, chapter.segments, settings );
+	out.text = goalWithCorridor( *chapter.problem, files.front(), corridor.tolerance );
+	std::string text = fmt::format( "corridor    proved {} times in {:.3f} s:", corridor.proofs, corridor.seconds );
+	for ( std::size_t v = 0; v < corridor.tolerance.size(); ++v )
+	{
+		text += fmt::format( "{} {} {:.3g}", v == 0 ? "" : ",", chapter.problem->variable_names[v], corridor.tolerance[v] );
+	}
+	return text + "\n";
+}
+
 } // namespace
 
 int runTrajectoryAudit( const AuditOptions& options )
@@ -261,6 +285,7 @@ int runTrajectoryAudit( const AuditOptions& options )
 		readsFile( "--joint-limits", options.joint_limits );
 	}
 	OutputFile report( "--report", options.report ), profile_file( "--profile", options.profile );
+	OutputFile corridor_file( "--corridor", options.corridor );
 	CertificateFile certificate( options.certificate );
 	ViewFile view( options.view );
 	const Input input = loadInput( options.common, notices );
@@ -307,6 +332,12 @@ int runTrajectoryAudit( const AuditOptions& options )
 		profile_file.text = driver.profile;
 		out.push_back( &profile_file );
 	}
+	std::string told;
+	if ( !options.corridor.empty() && driver.whole().valid() )
+	{
+		told = writeCorridor( options, files, driver, settings.edge, corridor_file );
+		out.push_back( &corridor_file );
+	}
 	const bool is_certified =
 	    !driver.whole().valid() || writeCertificate( options, input, driver, settings.edge, certificate, out );
 	if ( view.isWanted() )
@@ -314,7 +345,7 @@ int runTrajectoryAudit( const AuditOptions& options )
 		view.write( pagesOf( options, input, driver, settings.edge ), out );
 	}
 	commitTogether( out );
-	printOut( ( options.steps.empty() ? "" : driver.told ) + describe( driver.whole() ) + certificate.told() );
+	printOut( ( options.steps.empty() ? "" : driver.told ) + describe( driver.whole() ) + told + certificate.told() );
 	return driver.whole().valid() && is_certified ? exit_yes : exit_no;
 }
 

@@ -14,7 +14,7 @@ enum
 	LWI_FRONT_ROOM = 1024, ///< parts of one front; a search that leaves more leaves none
 	LWI_FRONT_LANES = ( 1 << LWI_WIDTH ) - 1,
 	LWI_FRONT_SIDE = 1 << LWI_WIDTH,  ///< the lanes are children of b's subtree, else of a's
-	LWI_FRONT_WHOLE = 2 << LWI_WIDTH, ///< the pair of subtrees itself, not some of its lanes; of leaves, what is no PAIR
+	LWI_FRONT_WHOLE = 2 << LWI_WIDTH, ///< the pair of subtrees itself, not some of its lanes; of leaves, all but the PAIRs
 	LWI_FRONT_PAIR = 4 << LWI_WIDTH ///< one triangle each of the leaves of the last WHOLE: lane of a * LWI_WIDTH + lane of b
 };
 

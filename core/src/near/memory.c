@@ -117,7 +117,7 @@ static void make_room( lw_query* query )
 
 // --- pairs -----------------------------------------------------------------------------------------------------------
 
-/// A pair with what is known of it.
+/// A pair and its last answer.
 typedef struct near_pair
 {
 	const lw_checker* checker;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One pair of a state under a bound of its own, from what a query remembers of it (near/memory.c); derivatives of points that the
+// One pair of a state under a bound of its own, from its memory in a query (near/memory.c); derivatives of points that the
 // group moves (near/derivatives.c), at the posed state.
 #ifndef LEEWAY_NEAR_NEAR_H
 #define LEEWAY_NEAR_NEAR_H
@@ -18,7 +18,7 @@ typedef struct lwi_near_bodies
 /// A bound for one pair at the posed state. @param range min_d is minus the margin: contact ends the search
 lwi_bound lwi_near_bound( const lw_query* query, const lw_range* range );
 
-/// Searches a pair; the bound is lwi_near_bound() on return, with what was found. Memory changes the time alone.
+/// Searches a pair; the bound is lwi_near_bound() on return, with the pair's answer. Memory changes the time alone.
 void lwi_near_search( const lw_checker* checker, lw_query* query, const lwi_near_bodies* bodies, lwi_bound* bound );
 
 /// Adds to out [group variables] the derivatives of dot( n, p ), p a point of the world that a cluster carries.
