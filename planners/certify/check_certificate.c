@@ -581,9 +581,10 @@ int main( int argc, char** argv ) {
 		return 2;
 	}
 	for ( size_t room = 1u << 20, got = 1; got > 0; room *= 2 ) {
-		file_bytes = realloc( file_bytes, room );
-		got = file_bytes ? fread( file_bytes + file_size, 1, room - file_size, in ) : 0;
-		file_size += got;
+		unsigned char* larger = realloc( file_bytes, room );
+		if ( !larger ) damaged( "it needs more memory than there is" );
+		file_bytes = larger;
+		file_size += got = fread( file_bytes + file_size, 1, room - file_size, in );
 	}
 	fclose( in );
 	read_model( files );
