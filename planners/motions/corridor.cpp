@@ -16,7 +16,6 @@ namespace
 constexpr double least = 1e-6;    // radians and metres: the first uniform deviation that is tried
 constexpr double accuracy = 1.02; // of the uniform one
 constexpr double widenings[] = { 1.5, 1.1, 1.02 };
-constexpr double nanosecond = 1e-9;
 
 double secondsSince( std::chrono::steady_clock::time_point begin )
 {
@@ -126,7 +125,6 @@ std::string goalWithCorridor(
 	Json points = Json::array();
 	for ( const TrajectoryPoint& point : trajectory.points )
 	{
-		const auto all = static_cast<std::int64_t>( std::llround( point.time / nanosecond ) );
 		Json one = { { "positions", point.positions } };
 		if ( !point.velocities.empty() )
 		{
@@ -136,7 +134,7 @@ std::string goalWithCorridor(
 		{
 			one["accelerations"] = point.accelerations;
 		}
-		one["time_from_start"] = { { "sec", all / 1000000000 }, { "nanosec", all % 1000000000 } };
+		one["time_from_start"] = timeFromStart( point.time );
 		points.push_back( one );
 	}
 	Json tolerances = Json::array();

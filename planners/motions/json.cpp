@@ -12,6 +12,12 @@ Json jsonNumber( double value )
 	return std::isfinite( value ) ? Json( value ) : Json( nullptr );
 }
 
+Json timeFromStart( double seconds )
+{
+	const auto all = static_cast<std::int64_t>( std::llround( seconds / 1e-9 ) );
+	return { { "sec", all / 1000000000 }, { "nanosec", all % 1000000000 } };
+}
+
 std::string jsonText( const Json& json )
 {
 	return json.dump( 2, ' ', false, Json::error_handler_t::replace ) + "\n";

@@ -13,6 +13,8 @@ using Json = nlohmann::ordered_json;
 
 Json jsonNumber( double value );
 Json jsonClearance( const Named& clearance );
+/// Seconds as ROS's messages have them, to the nanosecond.
+Json timeFromStart( double seconds );
 /// As a file has it. Bytes of file names that are not UTF-8 are replaced.
 std::string jsonText( const Json& json );
 

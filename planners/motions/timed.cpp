@@ -107,9 +107,8 @@ std::string robotTrajectory( const io::Problem& problem, const std::vector<Segme
 	Json points = Json::array();
 	const auto add = [&]( const std::vector<double>& q, double time )
 	{
-		const auto all = static_cast<std::int64_t>( std::llround( time / nanosecond ) );
 		points.push_back( { { "positions", q }, { "velocities", rest }, { "accelerations", rest },
-		    { "time_from_start", { { "sec", all / 1000000000 }, { "nanosec", all % 1000000000 } } } } );
+		    { "time_from_start", timeFromStart( time ) } } );
 	};
 	add( { segments.front().points.begin(), segments.front().points.begin() + count }, 0 );
 	for ( const Segment& segment : segments )

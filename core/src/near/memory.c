@@ -125,8 +125,18 @@ typedef struct near_pair
 	const lwi_near_bodies* bodies;
 	const lw_shape *a, *b;
 	lwi_near_memory* memory;
-	double step; ///< metres: motion since it was seen last; +INFINITY: it was not
+	uint32_t stride; ///< the pair is body * stride + other body or shape
+	double step;     ///< metres: motion since it was seen last; +INFINITY: it was not
 } near_pair;
+
+void lwi_near_open( lw_query* query )
+{
+	if ( !query->cache.near_is_known && query->capacity.bodies > 0 )
+	{
+		memset( query->cache.near, 0, sizeof( lwi_near_memory ) << LWI_NEAR_BITS );
+		query->cache.near_is_known = true;
+	}
+}
 
 /// The pair at the posed state.
 static near_pair meet( const lw_checker* checker, lw_query* query, const lwi_near_bodies* bodies )
@@ -135,7 +145,7 @@ static near_pair meet( const lw_checker* checker, lw_query* query, const lwi_nea
 	const uint32_t key = bodies->a * stride + bodies->b + ( bodies->self ? OF_SELF : 0 );
 	near_pair p = { checker, query, bodies, checker->base->bodies[bodies->a].shape,
 		bodies->self ? checker->base->bodies[bodies->b].shape : checker->scene->shapes[bodies->b].shape,
-		&query->cache.near[( key * 2654435769u ) >> ( 32 - LWI_NEAR_BITS )], INFINITY };
+		&query->cache.near[( key * 2654435769u ) >> ( 32 - LWI_NEAR_BITS )], stride, INFINITY };
 	lwi_pose_body( checker, query, bodies->a );
 	if ( bodies->self )
 	{
@@ -184,11 +194,9 @@ static void search( near_pair* p, lwi_bound* bound )
 			.ahead = MOTIONS_AHEAD * p->step };
 		p->query->search.front = &front;
 	}
-	const uint32_t stride =
-		( p->bodies->self ? p->checker->base->body_block_count : p->checker->scene->block_count ) * LWI_WIDTH;
 	if ( p->bodies->self )
 	{
-		lwi_checker_self_pair( p->checker, p->query, p->bodies->a * stride + p->bodies->b, &m->nearest, bound );
+		lwi_checker_self_pair( p->checker, p->query, p->bodies->a * p->stride + p->bodies->b, &m->nearest, bound );
 	}
 	else
 	{

@@ -291,6 +291,7 @@ lw_status lw_checker_near( const lw_checker* checker, lw_query* query, const dou
 		return status;
 	}
 	fill_links( &s, def->distance );
+	lwi_near_open( query );
 	query->search.failure = LW_OK;
 	if ( ( def->flags & LW_CHECK_ENVIRONMENT ) != 0 )
 	{

@@ -18,6 +18,9 @@ typedef struct lwi_near_bodies
 /// A bound for one pair at the posed state. @param range min_d is minus the margin: contact ends the search
 lwi_bound lwi_near_bound( const lw_query* query, const lw_range* range );
 
+/// Forgets all pairs, the first time that a query is asked.
+void lwi_near_open( lw_query* query );
+
 /// Searches a pair; the bound is lwi_near_bound() on return, with the pair's answer. Memory changes the time alone.
 void lwi_near_search( const lw_checker* checker, lw_query* query, const lwi_near_bodies* bodies, lwi_bound* bound );
 

@@ -27,7 +27,8 @@ lw_query_def lw_query_def_default( void )
 }
 
 /// Lays the query's arrays out behind it. Called twice: to measure, then to place.
-static size_t lay_out( lw_query* q, void* block )
+/// @param out_cleared bytes that are 0 at first; the memory of near pairs, behind them, is large and mostly never used
+static size_t lay_out( lw_query* q, void* block, size_t* out_cleared )
 {
 	lwi_arena arena = lwi_arena_begin( block, sizeof( lw_query ) );
 	q->search.waiting = lwi_arena_take( &arena, LWI_MAX_WAITING, sizeof( lwi_waiting ) );
@@ -40,10 +41,6 @@ static size_t lay_out( lw_query* q, void* block )
 	q->pose.cosines = lwi_arena_take( &arena, lwi_padded( q->capacity.links ), sizeof( double ) );
 	q->pose.sines = lwi_arena_take( &arena, lwi_padded( q->capacity.links ), sizeof( double ) );
 	q->cache.motion_backoff = lwi_arena_take( &arena, q->capacity.links, sizeof( lwi_backoff ) );
-	const bool robot = q->capacity.bodies > 0;
-	q->cache.near = lwi_arena_take( &arena, robot ? 1u << LWI_NEAR_BITS : 0, sizeof( lwi_near_memory ) );
-	q->cache.fronts[0] = lwi_arena_take( &arena, robot ? LWI_FRONTS_ROOM : 0, sizeof( lwi_front_part ) );
-	q->cache.fronts[1] = lwi_arena_take( &arena, robot ? LWI_FRONTS_ROOM : 0, sizeof( lwi_front_part ) );
 	q->pose.spheres = lwi_arena_take( &arena, q->capacity.links, sizeof( double[2][4] ) );
 	q->pose.block_stamp = lwi_arena_take( &arena, q->capacity.links, sizeof( uint64_t ) );
 	// each cluster begins a block of its own
@@ -60,6 +57,11 @@ static size_t lay_out( lw_query* q, void* block )
 	q->scratch.lane_spheres = lwi_arena_take( &arena, q->capacity.links, sizeof( lwi_batch_point ) );
 	q->scratch.lane_bodies = lwi_arena_take( &arena, q->capacity.bodies, sizeof( lwi_batch_point ) );
 	q->scratch.lane_body_is_posed = lwi_arena_take( &arena, q->capacity.bodies, sizeof( bool ) );
+	*out_cleared = arena.used;
+	const bool robot = q->capacity.bodies > 0;
+	q->cache.near = lwi_arena_take( &arena, robot ? 1u << LWI_NEAR_BITS : 0, sizeof( lwi_near_memory ) );
+	q->cache.fronts[0] = lwi_arena_take( &arena, robot ? LWI_FRONTS_ROOM : 0, sizeof( lwi_front_part ) );
+	q->cache.fronts[1] = lwi_arena_take( &arena, robot ? LWI_FRONTS_ROOM : 0, sizeof( lwi_front_part ) );
 	return arena.used;
 }
 
@@ -77,18 +79,20 @@ lw_status lwi_query_create( const lw_query_def* def, const lwi_query_sizes* size
 	}
 	lw_query measured = { .capacity = *sizes };
 	const lw_allocator allocator = lwi_allocator_or_default( allocator_in );
-	const size_t bytes = lay_out( &measured, NULL );
-	lw_query* query = lwi_alloc_zero( &allocator, 1, bytes );
+	size_t cleared;
+	const size_t bytes = lay_out( &measured, NULL, &cleared );
+	lw_query* query = lwi_alloc( &allocator, bytes );
 	if ( query == NULL )
 	{
 		return LW_ERROR_OUT_OF_MEMORY;
 	}
+	memset( query, 0, cleared );
 	*query = measured;
 	query->allocator = allocator;
 	query->search.def = *def;
 	query->search.kernels = lwi_kernels_get( def->simd );
 	query->bytes = bytes;
-	lay_out( query, query );
+	lay_out( query, query, &cleared );
 	*out_query = query;
 	return LW_OK;
 }

@@ -87,6 +87,7 @@ typedef struct lwi_query_cache
 	lwi_near_memory* near;       ///< [1 << LWI_NEAR_BITS] by a hash: near/memory.c
 	lwi_front_part* fronts[2];   ///< [LWI_FRONTS_ROOM] those in use, and room to move them to
 	uint32_t fronts_used;
+	bool near_is_known; ///< `near` was cleared, by the first lw_checker_near()
 } lwi_query_cache;
 
 /// Arrays of one call: their contents are nobody's before and after it.
