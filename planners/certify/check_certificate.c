@@ -565,6 +565,7 @@ static void check_motion( void ) {
 	printf( "accepted: %u pieces, %u pairs (%s), %llu windows; distances > %.9g m; joint limits %s; %u pairs may touch and are not proved\n",
 		pieces, pair_count, claims == 3 ? "obstacles and links" : claims == 1 ? "obstacles" : "links", (unsigned long long)windows, min_d,
 		outside ? "exceeded" : "kept", allowed_count );
+	free( degrees ), free( points );
 }
 
 int main( int argc, char** argv ) {
