@@ -5,10 +5,10 @@
 #include "leeway/prepare.hpp"
 #include "support/command.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -23,16 +23,6 @@ constexpr int MOST_TRIES = 200'000; ///< states for one end
 constexpr int MOST_CELLS = 20;      ///< worlds of one seed
 constexpr int MOST_MOTIONS = 200;   ///< of the other arm
 constexpr double LIMIT = 2.8;       ///< radians, of the generated arm
-
-std::string format( const char* pattern, ... )
-{
-	char text[600];
-	va_list values;
-	va_start( values, pattern );
-	std::vsnprintf( text, sizeof text, pattern, values );
-	va_end( values );
-	return text;
-}
 
 class Random
 {
@@ -63,35 +53,31 @@ std::string generatedArm()
 	for ( int i = 0; i < 6; ++i )
 	{
 		const Part& part = parts[i];
-		const std::string child = format( "link%d", i + 1 );
-		text += format(
-		    "<link name='%s'><collision><origin xyz='0 0 %g'/><geometry><cylinder radius='%g' length='%g'/></geometry>"
+		const std::string child = fmt::format( "link{}", i + 1 );
+		text += fmt::format(
+		    "<link name='{}'><collision><origin xyz='0 0 {:g}'/><geometry><cylinder radius='{:g}' length='{:g}'/></geometry>"
 		    "</collision></link>\n",
-		    child.c_str(), 0.5 * part.length, part.radius, part.length - 0.02 );
-		text += format( "<joint name='j%d' type='revolute'><parent link='%s'/><child link='%s'/><origin xyz='0 0 %g'/><axis "
-		                "xyz='%s'/><limit lower='%g' upper='%g' velocity='%g' effort='1'/></joint>\n",
-		    i + 1, parent.c_str(), child.c_str(), part.up, part.axis, -LIMIT, LIMIT, part.speed );
+		    child, 0.5 * part.length, part.radius, part.length - 0.02 );
+		text += fmt::format(
+		    "<joint name='j{}' type='revolute'><parent link='{}'/><child link='{}'/><origin xyz='0 0 {:g}'/><axis xyz='{}'/>"
+		    "<limit lower='{:g}' upper='{:g}' velocity='{:g}' effort='1'/></joint>\n",
+		    i + 1, parent, child, part.up, part.axis, -LIMIT, LIMIT, part.speed );
 		parent = child;
 	}
 	return text + "</robot>\n";
 }
 
-std::string numbered( const char* pattern, int i )
-{
-	return format( pattern, i );
-}
-
 /// "  - {name: belt, shapes: ..., pose: ..." without the end.
 std::string box( const std::string& name, double x, double y, double z, double sx, double sy, double sz )
 {
-	return format(
-	    "  - {name: %s, shapes: [{type: box, dimensions: [%.4f, %.4f, %.4f]}], pose: {position: [%.4f, %.4f, %.4f]}",
-	    name.c_str(), sx, sy, sz, x, y, z );
+	return fmt::format( "  - {{name: {}, shapes: [{{type: box, dimensions: [{:.4f}, {:.4f}, {:.4f}]}}], "
+	                    "pose: {{position: [{:.4f}, {:.4f}, {:.4f}]}}",
+	    name, sx, sy, sz, x, y, z );
 }
 
 std::string piece( double start, double end, double x, double y, double z )
 {
-	return format( "{start: %.4f, end: %.4f, position: [%.4f, %.4f, %.4f]}", start, end, x, y, z );
+	return fmt::format( "{{start: {:.4f}, end: {:.4f}, position: [{:.4f}, {:.4f}, {:.4f}]}}", start, end, x, y, z );
 }
 
 /// Where a tip has to be: metres, in the frame of the arm's base.
@@ -113,11 +99,11 @@ std::string robotLine( const CellArm& arm, const std::string& name, double x, bo
 	const auto absolute = []( const std::string& file ) { return std::filesystem::absolute( file ).string(); };
 	std::string line = "  - {name: " + name + ", robot: '" + absolute( arm.urdf ) + "'";
 	line += arm.srdf.empty() ? "" : ", srdf: '" + absolute( arm.srdf ) + "'";
-	line += format(
-	    ", base: {position: [%.4f, 0, 0], orientation: [0, 0, %d, %d]}, state: {", x, turned ? 1 : 0, turned ? 0 : 1 );
+	line += fmt::format(
+	    ", base: {{position: [{:.4f}, 0, 0], orientation: [0, 0, {}, {}]}}, state: {{", x, turned ? 1 : 0, turned ? 0 : 1 );
 	for ( std::size_t i = 0; i < arm.joints.size(); ++i )
 	{
-		line += ( i > 0 ? ", " : "" ) + arm.joints[i] + format( ": %g", arm.stand[i] );
+		line += ( i > 0 ? ", " : "" ) + arm.joints[i] + fmt::format( ": {:g}", arm.stand[i] );
 	}
 	return line + "}}\n";
 }
@@ -133,7 +119,7 @@ Draft conveyor( const CellArm& arm, Random& random )
 	{
 		const double sx = random.in( 0.12, 0.25 ), sy = random.in( 0.1, 0.2 ), sz = random.in( 0.12, 0.25 );
 		const double at = x + random.in( -0.05, 0.05 ), up = z + 0.5 * sz + 0.002;
-		out.text += box( numbered( "box%d", i ), at, -side * behind, up, sx, sy, sz ) + ", motion: [" +
+		out.text += box( fmt::format( "box{}", i ), at, -side * behind, up, sx, sy, sz ) + ", motion: [" +
 		            piece( 0, ( behind + 1.2 ) / speed, at, side * 1.2, up ) + "]}\n";
 		behind += random.in( 0.35, 0.7 );
 	}
@@ -196,7 +182,7 @@ Draft draftOf( const std::string& kind, const CellArm& arm, Random& random )
 	      ++i ) // what hangs there, above all that moves
 	{
 		const double size[] = { random.in( 0.04, 0.15 ), random.in( 0.04, 0.15 ), random.in( 0.1, 0.4 ) };
-		draft.text += box( numbered( "lamp%d", i ), arm.forward + random.in( 0.25, 0.8 ), random.in( -0.6, 0.6 ),
+		draft.text += box( fmt::format( "lamp{}", i ), arm.forward + random.in( 0.25, 0.8 ), random.in( -0.6, 0.6 ),
 		                  arm.up + 0.1 + 0.5 * size[2] + random.in( 0, 0.3 ), size[0], size[1], size[2] ) +
 		              "}\n";
 	}
@@ -405,7 +391,7 @@ std::vector<CellArm> cellArms( const std::string& data, const std::string& folde
 		    { 0, -0.785, 0, -2.356, 0, 1.571, 0.785 }, 0, 0.33 };
 		for ( int i = 1; i <= 7; ++i )
 		{
-			panda.joints.push_back( numbered( "panda_joint%d", i ) );
+			panda.joints.push_back( fmt::format( "panda_joint{}", i ) );
 		}
 		arms.push_back( panda );
 		arms.push_back( { "fetch", data + "/mbm/fetch/fetch.urdf", data + "/mbm/fetch/fetch.srdf", "wrist_roll_link",
@@ -417,7 +403,7 @@ std::vector<CellArm> cellArms( const std::string& data, const std::string& folde
 	std::ofstream( six.urdf ) << generatedArm();
 	for ( int i = 1; i <= 6; ++i )
 	{
-		six.joints.push_back( numbered( "j%d", i ) );
+		six.joints.push_back( fmt::format( "j{}", i ) );
 	}
 	arms.push_back( six );
 	return arms;
