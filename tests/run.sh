@@ -132,6 +132,8 @@ runner=( env )
 
 stage "install missing packages" .ci/install.sh
 stage "layout of all lines" tests/lint.sh format
+mkdir -p build
+stage "reference of the interfaces" doxygen core/docs/Doxyfile
 stage "tools of the Python package" .ci/install.sh python
 stage "tools of the page" .ci/install.sh view
 LEEWAY_VIEW_DIR=$( realpath "${LEEWAY_VIEW_DIR:-build/view-tools}" )
@@ -182,7 +184,6 @@ stage "release: build" build build
 stage "cppcheck" tests/lint.sh build cppcheck
 # The best level that this machine has is that of all tests below
 stage "release: query tests, at most SSE2 and scalar" at_levels 2 1
-stage "reference of the interfaces" doxygen core/docs/Doxyfile
 stage "64-bit ARM: kernels and answers, emulated" tests/arm64/run.sh quick build/bin/print_answers
 for note in ${notes[@]+"${notes[@]}"}; do
 	heading "note: $note"
