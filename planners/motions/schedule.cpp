@@ -346,17 +346,18 @@ lw_clock Schedule::clockWithout( const std::vector<std::string>& parts, double u
 std::vector<double> velocityLimits( const io::WorldModel& world, const io::WorldPart& part, const JointLimits& limits )
 {
 	std::vector<double> out;
-	for ( const std::string& variable : part.variables )
+	for ( std::size_t i = 0; i < part.variables.size(); ++i )
 	{
+		const std::string& variable = part.variables[i];
 		double velocity = 0;
-		bool may_stand = false;
+		bool may_stand = !part.planned.empty() && part.planned[i] == 0;
 		for ( const io::JointModel& joint : world.robot.joints )
 		{
 			const std::vector<std::string> names = io::variableNames( joint );
 			if ( std::find( names.begin(), names.end(), variable ) != names.end() )
 			{
 				velocity = joint.velocity;
-				may_stand = joint.type == LW_JOINT_PLANAR || joint.type == LW_JOINT_FLOATING;
+				may_stand = may_stand || joint.type == LW_JOINT_PLANAR || joint.type == LW_JOINT_FLOATING;
 			}
 		}
 		for ( const std::string& name : { variable.substr( part.name.size() + 1 ), variable } )

@@ -13,8 +13,18 @@
 namespace leeway::motions
 {
 
-/// A robot that starts where it stands at a time. It has no goals yet. Planar and floating joints without velocities stand and are none of its
-/// variables.
+/// Why a joint that the plan leaves alone cannot be elsewhere.
+[[noreturn]] inline void refuseToMove(
+    const io::WorldModel& world, const io::WorldPart& part, std::size_t i, const char* mover )
+{
+	const bool planned = part.planned[i] != 0;
+	throw io::Error( world.file, part.element + ": joint " + part.variables[i],
+	    ( planned ? "has no velocity limit" : "is not in the group " + part.group ) + ", and " + mover + " moves it",
+	    planned ? "give joint limits with max_velocity" : "give a group that has it, or leave it where it stands" );
+}
+
+/// A robot that starts where it stands at a time. It has no goals yet. Joints outside of its group, and planar and floating joints without
+/// velocities, stand and are none of its variables.
 /// @throws io::Error (no such part; other joints without velocity limits; a joint that stands elsewhere than the world file says)
 inline planners::TimedRobot timedRobot(
     const io::WorldModel& world, Schedule& schedule, const std::string& name, const JointLimits& limits, double time )
@@ -27,7 +37,7 @@ inline planners::TimedRobot timedRobot(
 	robot.lag = part.lag;
 	for ( std::size_t i = 0; i < variables.size(); ++i )
 	{
-		if ( velocity[i] > 0 )
+		if ( part.planned[i] != 0 && velocity[i] > 0 )
 		{
 			robot.velocity.push_back( velocity[i] );
 			robot.tolerance.push_back( part.tolerance[i] );
@@ -36,8 +46,7 @@ inline planners::TimedRobot timedRobot(
 		}
 		else if ( at[variables[i]] != part.state[i] )
 		{
-			throw io::Error( world.file, part.element + ": joint " + part.variables[i],
-			    "has no velocity limit, and the motion of the file moves it", "give joint limits with max_velocity" );
+			refuseToMove( world, part, i, "the motion of the file" );
 		}
 	}
 	return robot;
@@ -58,8 +67,7 @@ inline std::vector<double> goalOf( const io::WorldModel& world, const Schedule& 
 		}
 		else if ( values[i] != part.state[i] )
 		{
-			throw io::Error( world.file, part.element + ": joint " + part.variables[i],
-			    "has no velocity limit, and a plan in time needs one to move it", "give joint limits with max_velocity" );
+			refuseToMove( world, part, i, "the goal" );
 		}
 	}
 	return goal;

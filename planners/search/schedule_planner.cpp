@@ -135,9 +135,9 @@ TimedRobot joined( const std::vector<TimedRobot>& robots )
 
 /// One robot beside tracks. @return its path, if there is one
 Outcome planOne( const Checker& checker, lw_query* query, const TimedRobot& robot, const lw_clock& others,
-    const ScheduleSettings& settings, const Stop& stop, TimedPath& path, SchedulePlan& out )
+    const TimedSettings& timed, const ScheduleSettings& settings, const Stop& stop, TimedPath& path, SchedulePlan& out )
 {
-	TimedPlanner planner( checker, settingsOf( settings, robot ), others );
+	TimedPlanner planner( checker, timed, others );
 	planner.setStart( robot.start.data() );
 	for ( const std::vector<double>& goal : robot.goals )
 	{
@@ -184,7 +184,8 @@ bool planInOrder( const Checker& checker, lw_query* query, const std::vector<Tim
 	Tracks tracks( checker, others, robots );
 	for ( const std::size_t r : order )
 	{
-		out.outcome = planOne( checker, query, robots[r], tracks.clock(), settings, stop, out.paths[r], out );
+		out.outcome = planOne( checker, query, robots[r], tracks.clock(), settingsOf( settings, robots[r] ), settings, stop,
+		    out.paths[r], out );
 		if ( out.outcome != Outcome::SOLVED )
 		{
 			return false;
@@ -216,7 +217,13 @@ SchedulePlan planSchedule( const Checker& checker, lw_query* query, const std::v
 	{
 		TimedPath path;
 		const Tracks tracks( checker, others, robots );
-		out.outcome = planOne( checker, query, joined( robots ), tracks.clock(), settings, stop, path, out );
+		const TimedRobot all = joined( robots );
+		TimedSettings timed = settingsOf( settings, all );
+		for ( const TimedRobot& robot : robots )
+		{
+			timed.controllers.push_back( robot.variables.size() );
+		}
+		out.outcome = planOne( checker, query, all, tracks.clock(), timed, settings, stop, path, out );
 		out.paths = out.outcome == Outcome::SOLVED ? parted( path, robots ) : std::vector<TimedPath>();
 	}
 	else

@@ -38,17 +38,8 @@ TimedMotion::TimedMotion( Checker checker, const TimedSettings& settings, const 
 	m_rest.assign( others.rest, others.rest + lw_checker_variable_count( m_checker.get() ) );
 	m_state.resize( m_rest.size() );
 	m_points.assign( 2 * n, 0.0 );
-	for ( std::size_t i = 0; i < n; ++i )
-	{
-		const double given = settings.tolerance.empty() ? 0 : settings.tolerance[i];
-		m_wide.push_back( given + settings.lag * settings.velocity[i] );
-	}
-	m_pieces = { { 0, 1, 1, m_points.data() } };
-	lw_track own = {};
-	own.variables = settings.variables.data();
-	own.variable_count = static_cast<std::uint32_t>( n );
-	m_tracks.push_back( own );
-	setPlanned( m_wide.data(), 0 );
+	addControllers();
+	setPlanned( { 0 }, m_points.data() );
 	m_clock = { m_tracks.data(), static_cast<std::uint32_t>( m_tracks.size() ), m_rest.data() };
 	lw_diag diag = {};
 	const bool usable = lw_clock_check( m_checker.get(), &m_clock, &diag ) == LW_OK;
@@ -57,6 +48,28 @@ TimedMotion::TimedMotion( Checker checker, const TimedSettings& settings, const 
 	{
 		m_wraps.push_back( infoOf( i ).wraps && settings.lower.empty() );
 	}
+}
+
+void TimedMotion::addControllers()
+{
+	const std::size_t n = m_settings.variables.size();
+	const std::vector<std::size_t> sizes =
+	    m_settings.controllers.empty() ? std::vector<std::size_t>{ n } : m_settings.controllers;
+	std::size_t first = 0;
+	for ( const std::size_t count : sizes )
+	{
+		needOfSettings(
+		    count > 0 && count <= n - first, "controllers have to be above 0, and as many as variables together" );
+		lw_track own = {};
+		own.variables = m_settings.variables.data() + first;
+		own.variable_count = static_cast<std::uint32_t>( count );
+		own.tolerance = m_settings.tolerance.empty() ? nullptr : m_settings.tolerance.data() + first;
+		own.lag = m_settings.lag;
+		m_tracks.push_back( own );
+		m_controlled.push_back( { first, count, {}, {} } );
+		first += count;
+	}
+	needOfSettings( first == n, "controllers have to be as many as variables together" );
 }
 
 lw_variable_info TimedMotion::infoOf( std::size_t i ) const
@@ -111,20 +124,37 @@ void TimedMotion::findBounds( std::vector<double>& lower, std::vector<double>& u
 double TimedMotion::othersEnd() const
 {
 	double end = m_settings.start_time;
-	for ( std::size_t i = 0; i + 1 < m_tracks.size(); ++i )
+	for ( std::size_t i = 0; i + m_controlled.size() < m_tracks.size(); ++i )
 	{
 		end = std::max( end, endOf( m_tracks[i] ) );
 	}
 	return end;
 }
 
-void TimedMotion::setPlanned( const double* tolerance, double lag )
+void TimedMotion::setPlanned( const std::vector<double>& times, const double* states )
 {
-	lw_track& own = m_tracks.back();
-	own.pieces = m_pieces.data();
-	own.piece_count = static_cast<std::uint32_t>( m_pieces.size() );
-	own.tolerance = tolerance;
-	own.lag = lag;
+	const std::size_t n = m_settings.variables.size(), states_count = times.size();
+	lw_track* track = &m_tracks[m_tracks.size() - m_controlled.size()];
+	for ( Controlled& c : m_controlled )
+	{
+		c.points.resize( states_count * c.count );
+		c.pieces.clear();
+		for ( std::size_t k = 0; k < states_count; ++k )
+		{
+			std::copy_n( states + k * n + c.first, c.count, c.points.begin() + static_cast<std::ptrdiff_t>( k * c.count ) );
+		}
+		for ( std::size_t k = 0; k + 1 < states_count; ++k )
+		{
+			c.pieces.push_back( { times[k], times[k + 1], 1, c.points.data() + k * c.count } );
+		}
+		if ( states_count == 1 )
+		{
+			c.pieces.push_back( { times[0], times[0] + 1, 0, c.points.data() } );
+		}
+		track->pieces = c.pieces.data();
+		track->piece_count = static_cast<std::uint32_t>( c.pieces.size() );
+		++track;
+	}
 }
 
 /// All that moves at a time.
@@ -152,9 +182,8 @@ bool TimedMotion::seemsFree( double from, double to )
 
 bool TimedMotion::isStateFree( const double* q, double time )
 {
-	std::copy_n( q, m_settings.variables.size(), m_points.begin() );
-	m_pieces.assign( 1, { time, time + 1, 0, m_points.data() } );
-	setPlanned( nullptr, 0 );
+	m_times.assign( 1, time );
+	setPlanned( m_times, q );
 	return isMomentFree( time );
 }
 
@@ -170,6 +199,11 @@ bool TimedMotion::prove( double from, double to )
 	return m_status == LW_OK && m_last.verdict == LW_VERDICT_FREE;
 }
 
+bool TimedMotion::proveShifted( double from, double to )
+{
+	return prove( std::max( std::min( m_settings.start_time, from ), from - m_settings.lag ), to + m_settings.lag );
+}
+
 bool TimedMotion::isFree( const double* a, double from, const double* b, double to )
 {
 	if ( !( to > from ) )
@@ -182,23 +216,21 @@ bool TimedMotion::isFree( const double* a, double from, const double* b, double 
 	{
 		m_points[n + i] = wraps( i ) ? a[i] + difference( i, a[i], b[i] ) : b[i];
 	}
-	m_pieces.assign( 1, { from, to, 1, m_points.data() } );
-	setPlanned( m_wide.data(), 0 ); // the lag is in the tolerance
-	return seemsFree( from, to ) && prove( from, to );
+	m_times.assign( { from, to } );
+	setPlanned( m_times, m_points.data() );
+	return seemsFree( from, to ) && proveShifted( from, to );
 }
 
 bool TimedMotion::isRestFree( const double* q, double from, double to )
 {
-	std::copy_n( q, m_settings.variables.size(), m_points.begin() );
-	m_pieces.assign( 1, { from, std::max( to, from + 1 ), 0, m_points.data() } );
-	setPlanned( m_wide.data(), 0 );
-	return prove( from, std::max( from, to ) );
+	m_times.assign( 1, from );
+	setPlanned( m_times, q );
+	return proveShifted( from, std::max( from, to ) );
 }
 
 bool TimedMotion::isPathFree( const TimedPath& path, double from, double to )
 {
-	m_pieces = path.pieces();
-	setPlanned( m_settings.tolerance.empty() ? nullptr : m_settings.tolerance.data(), m_settings.lag );
+	setPlanned( path.times, path.values.data() );
 	return prove( from, to );
 }
 

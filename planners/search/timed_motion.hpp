@@ -38,7 +38,7 @@ public:
 
 	/// A state at a time, on the tracks themselves.
 	bool isStateFree( const double* q, double time );
-	/// A straight motion, the shorter way. Its tolerance has the lag at full speed, so that motions one after the other are proved
+	/// A straight motion, the shorter way, also if all of it is late or early by the lag: so motions one after the other are proved
 	/// together, too.
 	bool isFree( const double* a, double from, const double* b, double to );
 	bool isRestFree( const double* q, double from, double to );
@@ -52,20 +52,31 @@ public:
 
 private:
 	lw_variable_info infoOf( std::size_t i ) const;
-	/// What is planned, from now on: m_pieces. @param tolerance null: none
-	void setPlanned( const double* tolerance, double lag );
+	/// The planned variables of one controller, and their track.
+	struct Controlled
+	{
+		std::size_t first, count;
+		std::vector<double> points;
+		std::vector<lw_timed_piece> pieces;
+	};
+
+	void addControllers();
+	/// What is planned, from now on. @param states [times] all variables of each; a single one rests
+	void setPlanned( const std::vector<double>& times, const double* states );
 	bool isMomentFree( double time );
 	bool seemsFree( double from, double to );
 	bool prove( double from, double to );
+	/// A motion that may be late or early as a whole.
+	bool proveShifted( double from, double to );
 
 	Checker m_checker;
 	const TimedSettings& m_settings;
 	Statistics& m_statistics;
 	lw_query* m_query = nullptr;
 	std::vector<lw_track> m_tracks; ///< those that are given, then that which is planned
-	std::vector<double> m_rest, m_state, m_points, m_wide;
+	std::vector<double> m_rest, m_state, m_points, m_times;
 	std::vector<unsigned char> m_wraps; ///< [variables]
-	std::vector<lw_timed_piece> m_pieces;
+	std::vector<Controlled> m_controlled;
 	lw_clock m_clock{};
 	lw_timed_result m_last{};
 	lw_status m_status = LW_OK;

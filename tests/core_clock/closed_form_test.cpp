@@ -197,6 +197,65 @@ TEST( Clock, SpreadGrowsFromItsStart )
 	EXPECT_GT( blocked, 100 );
 }
 
+// What rests does not see whether a motion is late: the ball passes a block a hair away, at a speed at which its lag is decimetres.
+TEST( Clock, LagBesideThatWhichRestsTakesNothingOff )
+{
+	SeededRng rng;
+	const Crossing crossing( 0.5 );
+	for ( int i = 0; i < 100; ++i )
+	{
+		const double gap = ( i % 2 == 0 ? 1 : -1 ) * rng.decade( -4, -2 ), lag = rng.uniform( 0.1, 0.3 );
+		const ShapePtr block( primitive( LW_SHAPE_BOX, 1, 1, 1 ) );
+		lw_transform beside = lw_transform_identity();
+		beside.t[1] = radius + gap + 0.5;
+		const leeway::Scene scene = oneObstacle( block.get(), beside );
+		const ClockBench bench( crossing.robot.get(), scene.get(), false );
+		OwnedClock clock;
+		clock.rest = { 0, -2 };
+		clock.tracks = { straight( 0, 0, 2, -2, 2 ) };
+		clock.tracks[0].lag = lag;
+		lw_timed_def def = lw_timed_def_default();
+		def.edge.slack = 1e-5;
+		// before the motion, from its middle on, until its middle
+		for ( const auto& [from, to] : { std::pair<double, double>{ -1, 3 }, { 1.9, 3 }, { -1, 0.1 } } )
+		{
+			const lw_timed_result r = bench.ask( clock, from, to, def );
+			const double nearest =
+			    from == -1 && to == 3 ? gap : 0.1; // else it is beside the block only if it is late or early by 0.65 s
+			EXPECT_EQ( r.verdict == LW_VERDICT_FREE, nearest > 0 ) << "gap " << gap << ", lag " << lag << ", from " << from;
+		}
+	}
+}
+
+// A ball leaves late, and all that time its spread grows.
+TEST( Clock, SpreadGoesOnWhileATrackIsLate )
+{
+	SeededRng rng;
+	const Crossing crossing( 0.5 );
+	int free = 0;
+	for ( int i = 0; i < 100; ++i )
+	{
+		const double speed = rng.uniform( 0.1, 0.4 ), lag = rng.uniform( 0.02, 0.3 ),
+		             gap = ( i % 2 == 0 ? 1 : -1 ) * rng.decade( -3, -1.5 );
+		const ShapePtr block( primitive( LW_SHAPE_BOX, 1, 1, 1 ) );
+		lw_transform before = lw_transform_identity();
+		before.t[0] = radius + speed * ( 1 + lag ) + gap + 0.5;
+		const leeway::Scene scene = oneObstacle( block.get(), before );
+		const ClockBench bench( crossing.robot.get(), scene.get(), false );
+		OwnedClock clock;
+		clock.rest = { 0, -2 };
+		clock.tracks = { straight( 0, 1, 1.2, 0, -2 ) };
+		clock.tracks[0].lag = lag;
+		clock.tracks[0].spread_speed = speed;
+		clock.tracks[0].spread_start = 0;
+		const lw_timed_result r = bench.ask( clock, 0, 3, lw_timed_def_default() );
+		EXPECT_FALSE( gap < 0 && r.verdict == LW_VERDICT_FREE ) << "gap " << gap << ", lag " << lag << ", speed " << speed;
+		EXPECT_TRUE( gap < 2e-3 || r.verdict == LW_VERDICT_FREE ) << "gap " << gap << ", lag " << lag << ", speed " << speed;
+		free += r.verdict == LW_VERDICT_FREE;
+	}
+	EXPECT_GT( free, 20 );
+}
+
 // Polynomials of several degrees side by side: the ball turns back a hair before or behind the face of a block, in a piece that the
 // other track's pieces cut.
 TEST( Clock, DegreesAreRaisedAndPiecesCutAlike )

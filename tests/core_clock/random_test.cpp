@@ -74,7 +74,9 @@ Cell randomCell( SeededRng& rng )
 		}
 	}
 	const ShapePtr soup( randomMesh( rng, 30, 0.3, nullptr ) );
-	cell.scene = oneObstacle( soup.get(), randomTransform( rng, 1 ) );
+	lw_transform place = randomTransform( rng, 1 );
+	place.t[2] += rng.integer( 0, 1 ) * 50; // half of the robots have only each other
+	cell.scene = oneObstacle( soup.get(), place );
 	return cell;
 }
 

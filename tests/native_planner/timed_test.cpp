@@ -2,6 +2,7 @@
 // Plans in space and time: each path is looked at densely by an evaluation of its own, with exact distances.
 #include "leeway/planners/timed_planner.hpp"
 #include "gate_world.hpp"
+#include "one_obstacle.hpp"
 #include "sanitized.hpp"
 #include "simple_shapes.hpp"
 
@@ -334,6 +335,26 @@ TEST( TimedPlanner, ALateControllerIsProvedUntilItArrives )
 	}
 }
 
+// The start and the goal touch nearly a block, and the controller is late by decimetres: the block does not see how late.
+TEST( TimedPlanner, ALateControllerStartsBesideWhatRests )
+{
+	const RobotPtr robot = balls( 1 );
+	const ShapePtr block( primitive( LW_SHAPE_BOX, 1, 1, 1 ) );
+	lw_transform place = lw_transform_identity();
+	place.t[1] = 0.5 + radius + 0.005;
+	const leeway::Scene scene = oneObstacle( block.get(), place );
+	const ClockBench bench( robot.get(), scene.get(), false );
+	const double start[] = { -0.3, 0 }, goal[] = { 0.3, 0 };
+	OwnedClock clock;
+	clock.rest = { 0, 0 };
+	TimedSettings settings = settingsFor( 0, 3 );
+	settings.lag = 0.3;
+	TimedPlanner planner( bench.checker, settings, clock.view() );
+	planner.setStart( start );
+	planner.addGoal( goal );
+	EXPECT_EQ( planner.solve( bench.query.get(), seconds( 5 ) ), Outcome::SOLVED ) << planner.endProblem();
+}
+
 // Balls pass in front of the goal one after the other, at random speeds; the controller is late by up to 30 ms and 1 cm off.
 TEST( TimedPlanner, PathsThroughTrafficSurviveADenseLook )
 {
@@ -452,6 +473,12 @@ TEST( TimedPlanner, RefusesUnusableSettings )
 	bad.lower = { 0 };
 	bad.upper = { 1 };
 	refused( bad, "lower and upper" );
+	for ( const std::vector<std::size_t>& sizes : { std::vector<std::size_t>{ 1 }, { 1, 2 }, { 2, 0 } } )
+	{
+		bad = good;
+		bad.controllers = sizes;
+		refused( bad, "controllers" );
+	}
 	TimedPlanner planner( bench.checker, good, clock.view() );
 	const double outside[] = { 5, 0 };
 	EXPECT_THROW( planner.setStart( outside ), InputError );
@@ -545,6 +572,30 @@ TEST( SchedulePlanner, TogetherTwoRobotsChangePlaces )
 	plan = planSchedule( bench.checker, bench.query.get(), robots, clock.view(), settings );
 	ASSERT_EQ( plan.outcome, Outcome::SOLVED ) << plan.problem;
 	expectFree( robot, plan, robots );
+}
+
+// One search moves both balls on one path, but each has its own controller: a plan that only holds if both are late alike is none.
+TEST( SchedulePlanner, TogetherEachRobotIsLateByItself )
+{
+	const RobotPtr robot = balls( 2 );
+	const ClockBench bench( robot.get(), nullptr, false );
+	std::vector<TimedRobot> robots = { robotOf( 0, { -1, 0 }, { 1, 0 } ), robotOf( 1, { 1, 0 }, { -1, 0 } ) };
+	OwnedClock clock;
+	clock.rest.assign( 4, 0.0 );
+	for ( TimedRobot& r : robots )
+	{
+		r.lag = 0.15;
+	}
+	ScheduleSettings settings;
+	settings.timed.deadline = 15;
+	settings.search_seconds = 60;
+	settings.together = true;
+	for ( std::uint64_t seed = 1; seed <= 5; ++seed )
+	{
+		settings.timed.seed = seed;
+		const SchedulePlan plan = planSchedule( bench.checker, bench.query.get(), robots, clock.view(), settings );
+		EXPECT_EQ( plan.outcome, Outcome::SOLVED ) << plan.problem;
+	}
 }
 
 TEST( SchedulePlanner, RefusesVariablesBeyondTheGroup )

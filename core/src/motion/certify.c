@@ -20,12 +20,16 @@ lwi_edge_pair* lwi_edge_add_pair( lwi_edge* e, lwi_edge_pair pair )
 	const lw_checker* c = e->checker;
 	const bool self = lwi_edge_pair_is_self( &pair );
 	const uint32_t above = c->base->tree->clusters[pair.ancestor].root_link;
+	lwi_motion_tube tube[2] = { { 0, 0, LWI_NO_TRACK }, { 0, 0, LWI_NO_TRACK } };
 	for ( int side = 0; side < ( self ? 2 : 1 ); ++side )
 	{
 		const uint32_t cluster = c->base->tree->body_cluster[pair.body[side]];
 		pair.rate[side] = lwi_motion_of( c->base->motion, e->path.motion, cluster, above );
-		pair.tube[side] = lwi_motion_tube_of( c->base->motion, e->path.motion, cluster, above );
+		tube[side] = lwi_motion_tube_of( c->base->motion, e->path.motion, cluster, above );
 	}
+	const bool late = lwi_motion_feels_late( tube[0].track, tube[1].track );
+	pair.tube[0] = late ? tube[0].late : tube[0].timely;
+	pair.tube[1] = late ? tube[1].late : tube[1].timely;
 	pair.pair_cache = ( pair_id( c, &pair ) * 2654435769u ) >> ( 32 - LWI_EDGE_CACHE_BITS );
 	pair.slack = e->pairs.slack[self];
 	e->pairs.all[e->pairs.count] = pair;

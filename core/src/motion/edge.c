@@ -42,12 +42,16 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	e->path.full_b = lwi_arena_take( &arena, variables, sizeof( double ) );
 	e->path.full_t = lwi_arena_take( &arena, variables, sizeof( double ) );
 	e->path.tolerance = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->path.late_tolerance = lwi_arena_take( &arena, variables, sizeof( double ) );
+	e->path.tracks = lwi_arena_take( &arena, variables, sizeof( uint32_t ) );
 	e->path.curve.part =
 		lwi_arena_take( &arena, ( LW_CURVE_MOST_DEGREE + 1 ) * (size_t)c->base->group.variable_count, sizeof( double ) );
 	e->path.curve.size = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
-	e->room_points =
+	e->room.points =
 		lwi_arena_take( &arena, ( LW_CURVE_MOST_DEGREE + 1 ) * (size_t)c->base->group.variable_count, sizeof( double ) );
-	e->room_tolerance = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
+	e->room.tolerance = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
+	e->room.deviations = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( double ) );
+	e->room.tracks = lwi_arena_take( &arena, c->base->group.variable_count, sizeof( uint32_t ) );
 	for ( int i = 0; i < 4; ++i )
 	{
 		e->path.ranges[i] = lwi_arena_take( &arena, variables, sizeof( double ) );
@@ -92,12 +96,11 @@ bool lwi_edge_begin( lwi_edge* edge )
 	return true;
 }
 
-bool lwi_edge_room( const lw_checker* checker, lw_query* query, double** out_points, double** out_tolerance )
+bool lwi_edge_take_room( const lw_checker* checker, lw_query* query, lwi_edge_room* out )
 {
 	lwi_edge edge = { .checker = checker, .query = query };
 	const bool fits = lay_out( &edge, query->scratch.edge ) <= query->capacity.edge_bytes;
-	*out_points = edge.room_points;
-	*out_tolerance = edge.room_tolerance;
+	*out = edge.room;
 	return fits;
 }
 
@@ -265,8 +268,8 @@ static lw_status check( lwi_edge* e )
 	return status;
 }
 
-lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const double* qa, const double* qb,
-	const lw_edge_def* def, lw_edge_result* out )
+static lw_status prove_edge( const lw_checker* checker, lw_query* query, const double* qa, const double* qb,
+	const lw_edge_def* def, const lwi_edge_late* late, lw_edge_result* out )
 {
 	if ( out == NULL )
 	{
@@ -289,8 +292,18 @@ lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const dou
 			return LW_ERROR_INVALID_ARGUMENT;
 		}
 	}
-	lwi_edge e = { .checker = checker, .query = query, .def = def, .out = out, .path = { .qa = qa, .qb = qb } };
+	lwi_edge e = { .checker = checker,
+		.query = query,
+		.def = def,
+		.out = out,
+		.path = { .qa = qa, .qb = qb, .late = late } };
 	return check( &e );
+}
+
+lw_status lw_checker_edge( const lw_checker* checker, lw_query* query, const double* qa, const double* qb,
+	const lw_edge_def* def, lw_edge_result* out )
+{
+	return prove_edge( checker, query, qa, qb, def, NULL, out );
 }
 
 /// Finite control points; quaternions must stay.
@@ -314,8 +327,8 @@ static bool points_are_valid( const lwi_edge* e )
 	return true;
 }
 
-lw_status lw_checker_curve( const lw_checker* checker, lw_query* query, const double* points, uint32_t degree,
-	const lw_edge_def* def, lw_edge_result* out )
+static lw_status prove_curve( const lw_checker* checker, lw_query* query, const double* points, uint32_t degree,
+	const lw_edge_def* def, const lwi_edge_late* late, lw_edge_result* out )
 {
 	if ( out == NULL )
 	{
@@ -336,6 +349,20 @@ lw_status lw_checker_curve( const lw_checker* checker, lw_query* query, const do
 		.query = query,
 		.def = def,
 		.out = out,
-		.path = { .curve = { .points = points, .degree = degree } } };
+		.path = { .curve = { .points = points, .degree = degree }, .late = late } };
 	return points_are_valid( &e ) ? check( &e ) : LW_ERROR_INVALID_ARGUMENT;
+}
+
+lw_status lw_checker_curve( const lw_checker* checker, lw_query* query, const double* points, uint32_t degree,
+	const lw_edge_def* def, lw_edge_result* out )
+{
+	return prove_curve( checker, query, points, degree, def, NULL, out );
+}
+
+lw_status lwi_edge_prove_late( const lw_checker* checker, lw_query* query, const double* points, uint32_t degree,
+	const lw_edge_def* def, const lwi_edge_late* late, lw_edge_result* out )
+{
+	const size_t count = checker->base->group.variable_count;
+	return degree == 0 ? prove_edge( checker, query, points, points + count, def, late, out )
+					   : prove_curve( checker, query, points, degree, def, late, out );
 }

@@ -43,19 +43,29 @@ typedef struct lwi_edge_curve
 	double* size;         ///< [group variables] of their rounding; 0: the variable stays, such as a quaternion's
 } lwi_edge_curve;
 
+/// Variables on clocks that may be late, as lwi_motion_late has them.
+typedef struct lwi_edge_late
+{
+	const double* deviations; ///< [group variables] by being late, beyond the tolerance
+	const uint32_t* tracks;   ///< [group variables]
+} lwi_edge_late;
+
 /// The path that is proved: a straight edge, or a piece of a curve, its tolerance and bounds of the motion along it. Owner:
 /// motion/path.c. Nothing else knows which kind it is.
 typedef struct lwi_path
 {
 	const double *qa, *qb; ///< [group variables] ends
 	lwi_edge_curve curve;
-	double *full_a, *full_b;  ///< [robot variable_count] ends
-	double *full_t, *group_t; ///< scratch for a state
-	double* tolerance;        ///< [robot variable_count] scratch: around the path
-	double* ranges[4];        ///< [robot variable_count] scratch of lwi_motion_ranges
-	void* motion;             ///< scratch of the motion table
-	double longest;           ///< metres, V: the largest path length of a cluster
-	double twist_error;       ///< see lwi_motion_twist_error()
+	double *full_a, *full_b;   ///< [robot variable_count] ends
+	double *full_t, *group_t;  ///< scratch for a state
+	double* tolerance;         ///< [robot variable_count] scratch: around the path
+	const lwi_edge_late* late; ///< NULL: all is on one clock
+	double* late_tolerance;    ///< [robot variable_count] scratch
+	uint32_t* tracks;          ///< [robot variable_count] scratch
+	double* ranges[4];         ///< [robot variable_count] scratch of lwi_motion_ranges
+	void* motion;              ///< scratch of the motion table
+	double longest;            ///< metres, V: the largest path length of a cluster
+	double twist_error;        ///< see lwi_motion_twist_error()
 	double tube; ///< metres: no body is farther from its place on the path, see lwi_motion_largest_tube(); 0: no tolerance
 	double static_rounding; ///< metres: of the poses of static bodies, the largest of all pieces
 } lwi_path;
@@ -202,8 +212,16 @@ typedef struct lwi_work
 typedef struct lwi_lane_bound
 {
 	double size;      ///< metres: no coordinate of its sphere is larger, with its displacement
-	double deviation; ///< metres: from motion with the velocities in the middle, the tube included
+	double deviation; ///< metres: from motion with the velocities in the middle, the tube not included
 } lwi_lane_bound;
+
+/// Scratch for curves that are made for a query one after the other. The query's own questions do not use it.
+typedef struct lwi_edge_room
+{
+	double* points;                 ///< [LW_CURVE_MOST_DEGREE + 1][group variables]
+	double *tolerance, *deviations; ///< [group variables]
+	uint32_t* tracks;               ///< [group variables]
+} lwi_edge_room;
 
 /// A question, and all that its proof needs. Each part is written by its owner only.
 typedef struct lwi_edge
@@ -216,12 +234,12 @@ typedef struct lwi_edge
 	lwi_edge_poses poses;
 	lwi_edge_pairs pairs;
 	lwi_work work;
-	lwi_edge_memory* memory;              ///< of this edge and the ones before. Owner: motion/planes.c
-	double *lane_states, *lane_speeds;    ///< [LWI_WIDTH][robot variable_count] scratch of motion/gate.c
-	lwi_lane_bound* lane_bounds;          ///< [clusters] scratch of motion/gate.c
-	double *room_points, *room_tolerance; ///< see lwi_edge_room()
-	bool failed;                          ///< a state could not be posed or measured
-	lw_status failure;                    ///< why, if it was not the state: a deferred mesh
+	lwi_edge_memory* memory;           ///< of this edge and the ones before. Owner: motion/planes.c
+	double *lane_states, *lane_speeds; ///< [LWI_WIDTH][robot variable_count] scratch of motion/gate.c
+	lwi_lane_bound* lane_bounds;       ///< [clusters] scratch of motion/gate.c
+	lwi_edge_room room;                ///< of others than this edge
+	bool failed;                       ///< a state could not be posed or measured
+	lw_status failure;                 ///< why, if it was not the state: a deferred mesh
 } lwi_edge;
 
 // --- motion/edge.c --------------------------------------------------------------------------------------------------------
@@ -233,9 +251,13 @@ size_t lwi_edge_scratch_size( const lw_checker* checker, uint32_t spare_bodies )
 /// Lays the scratch of the query out. @return false if it is too small
 bool lwi_edge_begin( lwi_edge* edge );
 
-/// Scratch for the control points [LW_CURVE_MOST_DEGREE + 1][group variables] and the tolerance [group variables] of curves that are
-/// made for this query one after the other. The query's own questions do not use it. @return false if the query is too small
-bool lwi_edge_room( const lw_checker* checker, lw_query* query, double** out_points, double** out_tolerance );
+/// The room of the query. @return false if the query is too small
+bool lwi_edge_take_room( const lw_checker* checker, lw_query* query, lwi_edge_room* out );
+
+/// lw_checker_edge() with degree 0, whose points are both ends; lw_checker_curve() with others; and tracks that may be late.
+/// @param late nullable
+lw_status lwi_edge_prove_late( const lw_checker* checker, lw_query* query, const double* points, uint32_t degree,
+	const lw_edge_def* def, const lwi_edge_late* late, lw_edge_result* out );
 
 // --- motion/path.c --------------------------------------------------------------------------------------------------------
 

@@ -59,10 +59,25 @@ static lwi_motion_rate rate_of( const gate* g, uint32_t cluster )
 }
 
 /// @param ancestor cluster above it, from which it is seen
-static double tube_of( const gate* g, uint32_t cluster, uint32_t ancestor )
+static lwi_motion_tube tube_of( const gate* g, uint32_t cluster, uint32_t ancestor )
 {
 	const lw_checker* c = g->e->checker;
 	return lwi_motion_tube_of( c->base->motion, g->e->path.motion, cluster, g->tree->clusters[ancestor].root_link );
+}
+
+/// Metres: by which motions within the tolerance may bring a cluster nearer to the scene.
+static double tube_in_scene( const gate* g, uint32_t cluster )
+{
+	const lwi_motion_tube tube = tube_of( g, cluster, 0 );
+	return lwi_motion_feels_late( tube.track, LWI_NO_TRACK ) ? tube.late : tube.timely;
+}
+
+/// Metres: by which they may bring two clusters nearer to each other.
+static double tube_between( const gate* g, const lwi_cluster_pair* pair )
+{
+	const lwi_motion_tube a = tube_of( g, pair->cluster_a, pair->ancestor ),
+						  b = tube_of( g, pair->cluster_b, pair->ancestor );
+	return lwi_motion_feels_late( a.track, b.track ) ? a.late + b.late : a.timely + b.timely;
 }
 
 /// The sphere of a body in the lanes, by its place.
@@ -94,7 +109,7 @@ static void pose_lanes( gate* g )
 		const lwi_motion_rate rate = rate_of( g, i );
 		e->lane_bounds[i] =
 			( lwi_lane_bound ){ .size = size_of( &g->clusters[i], rate.path ) + 2 * g->tree->clusters[i].r.radius,
-				.deviation = lwi_path_acceleration( e, rate, g->half ) + tube_of( g, i, 0 ) };
+				.deviation = lwi_path_acceleration( e, rate, g->half ) };
 	}
 }
 
@@ -128,7 +143,7 @@ static query_sphere make_query_sphere( const gate* g, uint32_t cluster, const lw
 	const lw_scene* scene = g->e->checker->scene;
 	query_sphere s = { .radius = sphere->radius, .path = rate_of( g, cluster ).path };
 	g->kernels->batch_point( &g->frames[cluster], sphere->center, scene->origin, g->half, &s.at );
-	s.need = g->e->pairs.need[0] + g->rounding + g->e->lane_bounds[cluster].deviation + margin;
+	s.need = g->e->pairs.need[0] + g->rounding + g->e->lane_bounds[cluster].deviation + tube_in_scene( g, cluster ) + margin;
 	s.slack = lwi_gap_slack( 2 * ( size_of( &s.at, s.path ) + scene->extent + 2 * sphere->radius ) );
 	s.reach = lwi_round_up( s.radius + s.need + s.slack );
 	return s;
@@ -302,8 +317,8 @@ static cluster_pair make_cluster_pair( const gate* g, const lwi_cluster_pair* pa
 	const lwi_lane_bound* bounds = g->e->lane_bounds;
 	return ( cluster_pair ){ .pair = pair,
 		.tube = tube,
-		.reach = g->e->pairs.need[1] + 2 * g->rounding + bounds[a].deviation + bounds[b].deviation + (double)pair->margin +
-				 lwi_gap_slack( 2 * ( bounds[a].size + bounds[b].size ) ) };
+		.reach = g->e->pairs.need[1] + 2 * g->rounding + bounds[a].deviation + bounds[b].deviation + tube +
+				 (double)pair->margin + lwi_gap_slack( 2 * ( bounds[a].size + bounds[b].size ) ) };
 }
 
 /// Lanes in which two spheres do not stay apart.
@@ -361,7 +376,7 @@ static void test_self( const gate* g )
 	{
 		const lwi_cluster_pair* pair = &g->tree->self.pairs[i];
 		const lwi_cluster *a = &g->tree->clusters[pair->cluster_a], *b = &g->tree->clusters[pair->cluster_b];
-		const double tube = tube_of( g, pair->cluster_a, pair->ancestor ) + tube_of( g, pair->cluster_b, pair->ancestor );
+		const double tube = tube_between( g, pair );
 		if ( g->covered && lwi_edge_is_separated( e, pair->separation, tube ) )
 		{
 			continue;

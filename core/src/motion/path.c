@@ -14,13 +14,27 @@
 static void set_tolerance( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
-	memset( e->path.tolerance, 0, c->base->robot->variable_count * sizeof( double ) );
+	const lwi_edge_late* late = e->path.late;
+	const uint32_t variables = c->base->robot->variable_count;
+	memset( e->path.tolerance, 0, variables * sizeof( double ) );
+	for ( uint32_t i = 0; late != NULL && i < variables; ++i )
+	{
+		e->path.late_tolerance[i] = 0;
+		e->path.tracks[i] = LWI_NO_TRACK;
+	}
 	for ( uint32_t i = 0; i < c->base->group.variable_count; ++i )
 	{
-		e->path.tolerance[c->base->group.variables[i]] = ( e->def->tolerance != NULL ? e->def->tolerance[i] : 0 ) +
-														 ( !lwi_path_is_straight( e ) ? 2 * e->path.curve.size[i] : 0 );
+		const uint32_t v = c->base->group.variables[i];
+		e->path.tolerance[v] = ( e->def->tolerance != NULL ? e->def->tolerance[i] : 0 ) +
+							   ( !lwi_path_is_straight( e ) ? 2 * e->path.curve.size[i] : 0 );
+		if ( late != NULL )
+		{
+			e->path.late_tolerance[v] = e->path.tolerance[v] + late->deviations[i];
+			e->path.tracks[v] = late->tracks[i];
+		}
 	}
-	lwi_motion_tolerate( c->base->motion, e->path.motion, e->path.tolerance );
+	const lwi_motion_late of = { e->path.late_tolerance, e->path.tracks };
+	lwi_motion_tolerate( c->base->motion, e->path.motion, e->path.tolerance, late != NULL ? &of : NULL );
 	e->path.tube = lwi_motion_largest_tube( e->path.motion );
 }
 

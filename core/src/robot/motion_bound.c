@@ -19,7 +19,7 @@ typedef struct motion_scratch
 	lw_transform* poses;       ///< [link_count] at the middle of the edge
 	double* state;             ///< [variable_count] the middle
 	lwi_motion_rate* rates;    ///< [entry_count] by the entry's joint and all joints between it and the body
-	double* tubes;             ///< [entry_count] likewise; used if whole.tube > 0
+	lwi_motion_tube* tubes;    ///< [entry_count] likewise; used if whole.tube > 0
 	lwi_joint_motion* motions; ///< [moving_joint_count]
 	lwi_whole_motion whole;
 } motion_scratch;
@@ -31,7 +31,7 @@ static size_t lay_out_scratch( const lwi_motion_table* table, void* memory, moti
 	s->poses = lwi_arena_take( &arena, table->robot->link_count, sizeof( lw_transform ) );
 	s->state = lwi_arena_take( &arena, table->robot->variable_count, sizeof( double ) );
 	s->rates = lwi_arena_take( &arena, table->entry_count, sizeof( lwi_motion_rate ) );
-	s->tubes = lwi_arena_take( &arena, table->entry_count, sizeof( double ) );
+	s->tubes = lwi_arena_take( &arena, table->entry_count, sizeof( lwi_motion_tube ) );
 	s->motions = lwi_arena_take( &arena, table->moving_joint_count, sizeof( lwi_joint_motion ) );
 	return arena.used;
 }
@@ -165,6 +165,11 @@ static void measure( const lwi_motion_table* table, const motion_scratch* s, uin
 	}
 }
 
+static uint32_t track_of_both( uint32_t a, uint32_t b )
+{
+	return a == LWI_NO_TRACK || a == b ? b : b == LWI_NO_TRACK ? a : LWI_TWO_TRACKS;
+}
+
 /// How far the points of a body get from their places on the edge, by its first 1, 2, .. joints upwards. Let the joints change
 /// one after the other, the outermost first: those that have changed are isometries, and the points that the next one moves are
 /// at their places of the edge. So each adds its turn times the distance to its axis *on the edge*, that of measure(), and its
@@ -173,22 +178,27 @@ static void measure_tube( const lwi_motion_table* table, const motion_scratch* s
 	double radius, double share )
 {
 	const lwi_motion_body* b = &table->bodies[body];
-	double tube = 0, path = 0, excess = s->whole.pose_rounding;
+	double timely = 0, late = 0, path = 0, excess = s->whole.pose_rounding;
+	uint32_t track = LWI_NO_TRACK;
 	for ( uint32_t k = 0; k < b->entry_count; ++k )
 	{
 		const lwi_motion_entry* entry = &table->entries[b->first_entry + k];
 		const lwi_joint_motion* m = &s->motions[entry->moving_joint];
-		if ( m->tube_rotation > 0 )
+		if ( m->late_rotation > 0 )
 		{
 			const double any_state = k == 0 ? lwi_smaller( entry->axis_radius, b->first_axis_radius ) : entry->axis_radius;
 			const lw_vec3 offset = lwi_sub( center, m->origin );
 			const double away = m->any_axis ? lwi_length( offset ) : lwi_distance_to_axis( m->axis, offset );
-			tube += m->tube_rotation * lwi_smaller( away + radius + share * path, any_state + excess );
+			const double lever = lwi_smaller( away + radius + share * path, any_state + excess );
+			timely += m->tube_rotation * lever;
+			late += m->late_rotation * lever;
 		}
-		tube += m->tube_translation;
+		timely += m->tube_translation;
+		late += m->late_translation;
+		track = track_of_both( track, m->track );
 		excess += m->excess;
 		path = s->rates[b->first_entry + k].path;
-		s->tubes[b->first_entry + k] = tube * LWI_MOTION_OUTWARD;
+		s->tubes[b->first_entry + k] = ( lwi_motion_tube ){ timely * LWI_MOTION_OUTWARD, late * LWI_MOTION_OUTWARD, track };
 	}
 }
 
@@ -224,11 +234,11 @@ void lwi_motion_measure_body( const lwi_motion_table* table, void* scratch, uint
 	}
 }
 
-double lwi_motion_tube_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
+lwi_motion_tube lwi_motion_tube_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor )
 {
 	const motion_scratch* s = scratch;
 	const uint32_t count = s->whole.tube > 0 ? joints_below( table, body, ancestor ) : 0;
-	return count == 0 ? 0 : s->tubes[table->bodies[body].first_entry + count - 1];
+	return count == 0 ? ( lwi_motion_tube ){ 0, 0, LWI_NO_TRACK } : s->tubes[table->bodies[body].first_entry + count - 1];
 }
 
 double lwi_motion_largest_tube( const void* scratch )
@@ -359,16 +369,31 @@ double lwi_motion_any_tube( const lwi_motion_table* table, const void* scratch, 
 	return tube * LWI_MOTION_OUTWARD * LWI_MOTION_OUTWARD; // beyond its parts
 }
 
-void lwi_motion_tolerate( const lwi_motion_table* table, void* scratch, const double* tolerance )
+static uint32_t track_of_joint( const lw_robot* robot, uint32_t joint, const uint32_t* tracks )
+{
+	const uint32_t count = lw_robot_joint_variable_count( robot, joint );
+	uint32_t track = LWI_NO_TRACK;
+	for ( uint32_t k = 0; k < count; ++k )
+	{
+		track = track_of_both( track, tracks[robot->joints[joint].variable + k] );
+	}
+	return track;
+}
+
+void lwi_motion_tolerate( const lwi_motion_table* table, void* scratch, const double* tolerance,
+	const lwi_motion_late* late )
 {
 	motion_scratch* s = scratch;
 	for ( uint32_t i = 0; i < table->moving_joint_count; ++i )
 	{
 		lwi_joint_motion* m = &s->motions[i];
-		change_of( &table->robot->joints[table->moving_joints[i].joint], tolerance, &m->tube_rotation,
-			&m->tube_translation );
+		const uint32_t j = table->moving_joints[i].joint;
+		const lwi_joint* joint = &table->robot->joints[j];
+		change_of( joint, tolerance, &m->tube_rotation, &m->tube_translation );
+		change_of( joint, late != NULL ? late->tolerance : tolerance, &m->late_rotation, &m->late_translation );
+		m->track = late != NULL ? track_of_joint( table->robot, j, late->tracks ) : LWI_NO_TRACK;
 	}
-	s->whole.tube = lwi_motion_any_tube( table, scratch, tolerance );
+	s->whole.tube = lwi_motion_any_tube( table, scratch, late != NULL ? late->tolerance : tolerance );
 }
 
 bool lwi_motion_measure( const lwi_motion_table* table, const double* qa, const double* qb, void* scratch )

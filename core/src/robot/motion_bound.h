@@ -62,6 +62,28 @@ typedef struct lwi_motion_rate
 	double change; ///< largest acceleration, metres per squared unit of t
 } lwi_motion_rate;
 
+enum
+{
+	LWI_NO_TRACK = LW_INVALID_INDEX,
+	LWI_TWO_TRACKS = LW_INVALID_INDEX - 1
+};
+
+/// Variables on tracks, each with a clock of its own that may be late. What one track moves is late as one, and goes through the
+/// same states later; so only bodies that two tracks move, or of which each has its own, see each other elsewhere.
+typedef struct lwi_motion_late
+{
+	const double* tolerance; ///< [variable_count] that of the motion, and by how much the variable may be off by being late
+	const uint32_t* tracks;  ///< [variable_count] LWI_NO_TRACK: it rests
+} lwi_motion_late;
+
+/// Of a body, by the joints between it and an ancestor.
+typedef struct lwi_motion_tube
+{
+	double timely;  ///< metres: on the clock of its track
+	double late;    ///< metres: with all tracks as late as they may be, >= timely
+	uint32_t track; ///< that moves it; LWI_NO_TRACK, LWI_TWO_TRACKS or more
+} lwi_motion_tube;
+
 /// lwi_motion_measure() in steps: bounds that need no pose, then the joints' places at some state of the edge, then body by
 /// body.
 /// @param poses [link_count] world_from_link at that state, of the bodies' links and of the moving joints' children
@@ -84,7 +106,9 @@ double lwi_motion_any_tube( const lwi_motion_table* table, const void* scratch, 
 
 /// Between begin and measure_body: bounds are asked for motions that differ from the edge at any time by at most this much.
 /// @param tolerance [variable_count] >= 0, finite; 0 for variables that are no joint values or shifts
-void lwi_motion_tolerate( const lwi_motion_table* table, void* scratch, const double* tolerance );
+/// @param late NULL: nothing follows a clock of its own
+void lwi_motion_tolerate( const lwi_motion_table* table, void* scratch, const double* tolerance,
+	const lwi_motion_late* late );
 /// Metres: how far any point of any body moves at most if each variable changes by so much, as in lwi_motion_tolerate(); shifts
 /// of joints below are assumed in their middle.
 double lwi_motion_moved_by( const lwi_motion_table* table, const double* by );
@@ -98,7 +122,12 @@ lwi_motion_rate lwi_motion_of( const lwi_motion_table* table, const void* scratc
 double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor ); ///< path
 /// Metres: distance of a measured body's points from their places on the edge at the same time, for all motions within the
 /// tolerance, in the frame of `ancestor`. 0 without a tolerance.
-double lwi_motion_tube_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+lwi_motion_tube lwi_motion_tube_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+/// Does a pair feel that tracks are late? Only if two of them move it. @param a, b tracks of its sides, `b` LWI_NO_TRACK for the scene
+static inline bool lwi_motion_feels_late( uint32_t a, uint32_t b )
+{
+	return a == LWI_TWO_TRACKS || b == LWI_TWO_TRACKS || ( a != b && a != LWI_NO_TRACK && b != LWI_NO_TRACK );
+}
 /// No less than that of any body, in the frame of any link above it; known before bodies are measured.
 double lwi_motion_largest_tube( const void* scratch );
 

@@ -67,6 +67,8 @@ typedef struct lwi_joint_motion
 	double turn_change;  ///< largest change of the turn's speed, radians per squared unit of t; 0 on a straight edge
 	double shift_change; ///< of the shift's, metres
 	double tube_rotation, tube_translation; ///< radians, metres: by which a motion in the tube may differ at any time
+	double late_rotation, late_translation; ///< likewise, of motions whose tracks are late
+	uint32_t track;                         ///< as of lwi_motion_tube
 	bool any_axis;                          ///< of a floating joint
 	lw_vec3 axis, origin;                   ///< in the world, where the poses last taken over have it
 } lwi_joint_motion;

@@ -189,6 +189,20 @@ TEST_F( CliWorld, ABaseIsPlannedLikeAJoint )
 	EXPECT_TRUE( contains( moved.err, "right/base_joint/trans_x: has no velocity limit" ) ) << moved.err;
 }
 
+// The elbow is not in the group: it stands, whatever its limits are, and no goal moves it.
+TEST_F( CliWorld, APlanMovesJointsOutsideOfTheGroup )
+{
+	edit( "cell.yaml", "srdf: arm.srdf, base:", "srdf: arm.srdf, group: shoulder_only, state: {elbow: 0.3}, base:" );
+	const Outcome plan = ask( "plan", { "--goal", "right=shoulder=0.4", "--deadline", "9", "--out", path( "motions" ) } );
+	ASSERT_EQ( plan.status, 0 ) << plan.out << plan.err;
+	EXPECT_FALSE( contains( readFile( path( "motions/right.json" ) ), "elbow" ) );
+	EXPECT_EQ( ask( "audit", { "--motion", "right=" + path( "motions/right.json" ) } ).status, 0 );
+	const Outcome moved = ask( "plan", { "--goal", "right=elbow=0.4", "--deadline", "9" } );
+	EXPECT_EQ( moved.status, 2 );
+	EXPECT_TRUE( contains( moved.err, "right/elbow: is not in the group shoulder_only, and the goal moves it" ) )
+	    << moved.err;
+}
+
 TEST_F( CliWorld, AMissingGoalIsNotNamed )
 {
 	const auto error = [&]( const std::vector<std::string>& more )

@@ -272,6 +272,8 @@ TEST_F( WorldFileTest, ABadRobotIsTakenAsItIs )
 	robot( "tolerance: -1", { "robots[0] left.tolerance", "negative" } );
 	robot( "tolerance: {elbow: -1}", { "robots[0] left.tolerance", "elbow is negative" } );
 	robot( "tolerance: {wrist: 1}", { "robots[0] left.tolerance", "no joint wrist" } );
+	expectError( [&] { load( "robots: [{name: a, robot: arm.urdf, srdf: arm.srdf, group: hole}]\n" ); },
+	    { "arm.srdf", "hole", "whole" } );
 	robot( "motion_start: 1", { "robots[0] left.motion_start", "no motion" } );
 	robot( "motion: none.json", { "robots[0] left.motion", "none.json" } );
 	expectError( [&] { load( "robots: [{name: b, robot: cart.urdf, state: up}]\n" ); }, { "cart.urdf", "no such state" } );

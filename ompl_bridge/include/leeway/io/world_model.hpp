@@ -39,6 +39,8 @@ struct WorldPart
 	std::vector<std::string> variables;        ///< of the one robot (variableName()); none of a robot without joints
 	std::vector<double> state;                 ///< [variables] where they stand before and without a motion
 	std::vector<double> tolerance;             ///< [variables] that the controller may deviate
+	std::string group;                         ///< of the robot's SRDF, whose joints are planned; empty: all
+	std::vector<unsigned char> planned;        ///< [variables] 1: of that group
 	double lag = 0;                            ///< the controller may be early or late by this
 	double spread_speed = 0, spread_start = 0; ///< as lw_track
 	std::string motion_file;                   ///< of a robot: a trajectory file; empty if none

@@ -65,6 +65,7 @@ private:
 	std::string find( const char* kind, const YamlNode& uri );
 	void readRobot( const YamlNode& node );
 	const Known& knownRobot( const YamlNode& node, const std::string& name, bool& shared );
+	void readGroup( const YamlNode& group, const Known& known, WorldPart& part ) const;
 	void readState( const YamlNode& state, const Known& known, WorldPart& part ) const;
 	void readTolerance( const YamlNode& tolerance, const Known& known, WorldPart& part ) const;
 	std::size_t variableOf( const YamlNode& node, const Known& known, const std::string& name ) const;
@@ -249,6 +250,25 @@ void WorldReader::readState( const YamlNode& state, const Known& known, WorldPar
 	}
 }
 
+void WorldReader::readGroup( const YamlNode& group, const Known& known, WorldPart& part ) const
+{
+	part.planned.assign( known.variables.size(), group.defined() ? 0 : 1 );
+	if ( !group.defined() )
+	{
+		return;
+	}
+	part.group = group.text();
+	const std::vector<std::string>& joints = known.model.useGroup( part.group ).joints;
+	for ( const JointModel& joint : known.model.joints )
+	{
+		const bool in = std::find( joints.begin(), joints.end(), joint.name ) != joints.end();
+		for ( const std::string& variable : in ? variableNames( joint ) : std::vector<std::string>() )
+		{
+			part.planned[variableOf( group, known, variable )] = 1;
+		}
+	}
+}
+
 /// A number for all joints of one variable, or a map.
 void WorldReader::readTolerance( const YamlNode& tolerance, const Known& known, WorldPart& part ) const
 {
@@ -299,7 +319,7 @@ void WorldReader::readRobot( const YamlNode& unnamed )
 	part.name = readName( unnamed );
 	const YamlNode node = unnamed.named( part.name );
 	node.refuseUnknownKeys(
-	    { "name", "robot", "srdf", "base", "state", "tolerance", "lag", "motion", "motion_start", "solid" } );
+	    { "name", "robot", "srdf", "group", "base", "state", "tolerance", "lag", "motion", "motion_start", "solid" } );
 	part.element = node.place();
 	bool shared = false;
 	const Known& known = knownRobot( node, part.name, shared );
@@ -308,6 +328,7 @@ void WorldReader::readRobot( const YamlNode& unnamed )
 	{
 		part.variables.push_back( part.name + "/" + variable );
 	}
+	readGroup( node["group"], known, part );
 	readState( node["state"], known, part );
 	readTolerance( node["tolerance"], known, part );
 	part.lag = readNotNegative( node["lag"], 0 );

@@ -41,6 +41,8 @@ struct TimedSettings
 	std::vector<double> velocity;  ///< [variables] limits, > 0
 	std::vector<double> tolerance; ///< [variables] of the controller, or empty: 0
 	double lag = 0;                ///< of the controller, seconds
+	/// How many of the variables each controller has, in their order: one may be late while another is not. Empty: one for all.
+	std::vector<std::size_t> controllers;
 	/// [variables] bounds of the samples. Empty: joint limits; continuous joints go round, the shorter way. Within bounds they do not.
 	std::vector<double> lower, upper;
 	double start_time = 0; ///< seconds on the clock
