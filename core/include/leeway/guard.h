@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// While it drives: is the rest of a motion still proved, now that the scene has changed, and is there a proved stop?
+#ifndef LEEWAY_GUARD_H
+#define LEEWAY_GUARD_H
+
+#include "leeway/clock.h"
+
+LW_EXTERN_C_BEGIN
+
+/// Guards one motion of a checker's robot. Two threads: a writer publishes scenes, a reader asks in its cycle. Calls of the reader
+/// (lw_guard_ask, lw_guard_stop, lw_guard_brake_by) allocate nothing, take no lock and free nothing; those of the writer may.
+/// Derivation: core/docs/guard.md.
+typedef struct lw_guard lw_guard;
+
+typedef struct lw_guard_def
+{
+	const lw_checker* checker; ///< with the scene at the start; a reference is taken
+	const lw_clock* clock;     ///< as lw_clock_check() accepts it; copied, with all its arrays
+	double end;                ///< seconds: the motion is guarded until then
+	lw_timed_def timed;        ///< of all proofs. contact_resolution: of the first contact
+	double window;             ///< seconds, > 0: proved at a time. An answer is late by the proof of one window at most
+	/// The track that brakes; LW_INVALID_INDEX: none, and no stops are asked for.
+	uint32_t braking;
+	const double* deceleration; ///< [variable_count of that track] radians and metres per squared second, > 0; copied
+	double reaction;            ///< seconds, >= 0: the robot follows its motion so long after it is told to stop
+	uint32_t spare_shapes;      ///< scenes may have so many shapes more than that of the checker
+	/// Microseconds of a clock that never goes back, for budgets; called on the reader's thread. NULL: budgets must be infinite.
+	double ( *microseconds )( void* user );
+	void* user;
+	uint32_t cookie;
+} lw_guard_def;
+
+LW_API lw_guard_def lw_guard_def_default( void );
+
+/// @return LW_OK, LW_ERROR_INVALID_DEF, LW_ERROR_INVALID_ARGUMENT (diag names it), LW_ERROR_OUT_OF_MEMORY
+LW_API lw_status lw_guard_create( const lw_guard_def* def, const lw_allocator* allocator, lw_diag* diag,
+	lw_guard** out_guard );
+LW_API void lw_guard_destroy( lw_guard* guard ); ///< NULL is ignored; no call may be under way
+
+/// Writer: the world has changed. From the return on no answer is about an earlier scene.
+///
+/// @param scene NULL: empty. Robots, attached objects, allowed contacts and margins stay; allowed contacts and margins go by names
+/// @param stamp of the writer, such as the time at which the scene was seen; above that of the scene before
+/// @return LW_OK, LW_ERROR_INVALID_ARGUMENT (stamp; more shapes than spare_shapes), LW_ERROR_OUT_OF_MEMORY: the scene is then not
+/// published, the answers are UNDECIDED until another one is
+/// Cost: two lw_checker_edit().
+LW_API lw_status lw_guard_publish( lw_guard* guard, const lw_scene* scene, uint64_t stamp, lw_diag* diag );
+
+/// An answer about one scene, the newest that had been published when the call began.
+typedef struct lw_guard_answer
+{
+	/// FREE: no clearance is at most min_d from `now` to the end, for all motions that the clock allows: proved.
+	/// BLOCKED, UNDECIDED: as of lw_timed_result, at `time`; UNDECIDED with `pair` UNKNOWN: the budget has ended before the proof: ask again.
+	/// UNKNOWN: an error; nothing is claimed.
+	lw_verdict verdict;
+	uint64_t stamp;      ///< of the scene; 0: that of the checker
+	double now;          ///< seconds, of the question
+	double proved_until; ///< seconds, >= now: FREE's claim holds from now to here; now if nothing is proved
+	double time;         ///< seconds: of the contact or the undecided verdict; the end if FREE
+	bool by_spread, self;
+	lw_clearance pair; ///< at `time`
+	uint32_t windows;  ///< proved or tried in this call
+} lw_guard_answer;
+
+/// Reader: is the motion still free from now on? What is proved stays known: a call after an unchanged scene costs nothing, one after
+/// a change proves the pairs that changed.
+/// @param now seconds on the clock, finite. Earlier than in the call before: what had been proved is proved again
+/// @param budget microseconds, > 0; INFINITY: until all is known
+/// @return LW_OK, LW_ERROR_INVALID_ARGUMENT (also: a budget without a clock), or that of lw_checker_timed(): verdict UNKNOWN
+LW_API lw_status lw_guard_ask( lw_guard* guard, double now, double budget, lw_guard_answer* out );
+
+/// Reader: is it free to be told to stop at `from`? The braking track goes on until from + reaction; then each variable decelerates by itself.
+/// All other tracks move on. Proved from `from` until it stands, in the newest scene, all pairs.
+/// @param out time: FREE: when it stands
+/// @return as lw_guard_ask(); LW_ERROR_INVALID_ARGUMENT also without a braking track
+LW_API lw_status lw_guard_stop( lw_guard* guard, double from, lw_guard_answer* out );
+
+/// Reader: until when may the order to stop wait? The latest of the times now + k * step, up to `until`, at which the motion is still
+/// proved and a stop is proved. Call it after lw_guard_ask(), with its proved_until.
+/// @param out_time seconds; NaN: no stop is proved, not even now
+/// Cost: a stop for each time that is looked at: from the last one backwards.
+LW_API lw_status lw_guard_brake_by( lw_guard* guard, double now, double until, double step, double* out_time );
+
+LW_EXTERN_C_END
+
+#endif

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A guard, its motion, and the scenes that it is told of.
+#pragma once
+
+#include "clock_world.hpp"
+#include "leeway/guard.h"
+
+#include <memory>
+
+struct GuardReleaser
+{
+	void operator()( lw_guard* guard ) const { lw_guard_destroy( guard ); }
+};
+using GuardPtr = std::unique_ptr<lw_guard, GuardReleaser>;
+
+inline lw_guard_def guardOf( const lw_checker* checker, double end )
+{
+	lw_guard_def def = lw_guard_def_default();
+	def.checker = checker;
+	def.end = end;
+	def.spare_shapes = 40;
+	return def;
+}
+
+inline GuardPtr makeGuard( lw_guard_def def, OwnedClock& clock, const lw_allocator* allocator = nullptr )
+{
+	const lw_clock view = clock.view();
+	def.clock = &view;
+	lw_guard* guard = nullptr;
+	lw_diag diag = {};
+	EXPECT_EQ( LW_OK, lw_guard_create( &def, allocator, &diag, &guard ) ) << diag.message;
+	return GuardPtr( guard );
+}
+
+inline lw_guard_answer ask( lw_guard* guard, double now, double budget = INFINITY )
+{
+	lw_guard_answer answer;
+	EXPECT_EQ( LW_OK, lw_guard_ask( guard, now, budget, &answer ) );
+	return answer;
+}
