@@ -10,6 +10,7 @@ void addCloud( Bench& bench );
 void addCompare( Bench& bench );
 void addEdits( Bench& bench );
 void addExperiments( Bench& bench );
+void addGuard( Bench& bench );
 void addKernels( Bench& bench );
 void addPeers( Bench& bench );
 void addReach( Bench& bench );

@@ -23,6 +23,7 @@ int main( int argc, char** argv )
 	addReach( bench );
 	addStartup( bench );
 	addEdits( bench );
+	addGuard( bench );
 	addKernels( bench );
 	addExperiments( bench );
 #ifdef LEEWAY_BENCH_OMPL

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A motion that runs while one object moves: the guard's answer, a proof of what is left from nothing, and states at steps of 1 cm.
+//
+// Panda in MotionBenchMaker's scenes, and ARMAR-III's right arm in the cluttered kitchen. Of the times of the guard the writer's part is a row of its own: it
+// runs on another thread. Exit status 1 if the guard says FREE and the whole proof BLOCKED, or the other way round.
+#include "leeway/guard.h"
+#include "programs/commands.hpp"
+#include "support/edge_worlds.hpp"
+#include "support/provenance.hpp"
+#include "support/race.hpp"
+
+#include "owned_clock.hpp"
+#include "seeded_rng.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <map>
+
+namespace
+{
+
+struct Settings
+{
+	std::string data = LEEWAY_DATA_DIR;
+	int changes = 2000, pieces = 6;
+	double budget = 2;
+	std::uint64_t seed = 20260101;
+	bool quick = false;
+};
+
+struct GuardReleaser
+{
+	void operator()( lw_guard* guard ) const { lw_guard_destroy( guard ); }
+};
+
+double microseconds( const std::function<void()>& work )
+{
+	const auto start = std::chrono::steady_clock::now();
+	work();
+	return std::chrono::duration<double, std::micro>( std::chrono::steady_clock::now() - start ).count();
+}
+
+/// Straight pieces of half a second that are free, one after the other.
+OwnedClock freeMotion( const EdgeWorld& world, int pieces, SeededRng& rng )
+{
+	const leeway::Query query = leeway::makeQuery( world.with_tables.get() );
+	const lw_edge_def def = lw_edge_def_default();
+	OwnedClock clock;
+	clock.rest = world.home.empty() ? world.group( world.reference ) : world.home;
+	OwnedTrack track;
+	std::vector<double> at = clock.rest;
+	for ( std::uint32_t i = 0; i < at.size(); ++i )
+	{
+		track.variables.push_back( i );
+	}
+	for ( int tries = 0; tries < 5000 && static_cast<int>( track.pieces.size() ) < pieces; ++tries )
+	{
+		std::vector<double> to = at;
+		for ( std::size_t i = 0; i < to.size(); ++i )
+		{
+			const lw_variable_info info = lw_robot_variable( world.robot.get(), world.variables[i] );
+			to[i] = std::clamp( to[i] + rng.uniform( -0.4, 0.4 ), info.lower, info.upper );
+		}
+		lw_edge_result r;
+		leeway::require( lw_checker_edge( world.with_tables.get(), query.get(), at.data(), to.data(), &def, &r ), "edge" );
+		if ( r.verdict == LW_VERDICT_FREE )
+		{
+			const double start = 0.5 * static_cast<double>( track.pieces.size() );
+			OwnedPiece piece = { start, start + 0.5, 1, at };
+			piece.points.insert( piece.points.end(), to.begin(), to.end() );
+			track.pieces.push_back( piece );
+			at = to;
+		}
+	}
+	clock.tracks.push_back( track );
+	return clock;
+}
+
+/// The scene with one object shifted by up to 0.2 m.
+leeway::Scene shifted( const lw_scene* scene, SeededRng& rng )
+{
+	const auto object =
+	    static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( lw_scene_object_count( scene ) ) - 1 ) );
+	const double by[3] = { rng.uniform( -0.2, 0.2 ), rng.uniform( -0.2, 0.2 ), rng.uniform( -0.2, 0.2 ) };
+	std::vector<lw_transform> poses;
+	for ( std::uint32_t k = 0; k < lw_scene_shape_count( scene ); ++k )
+	{
+		if ( lw_scene_shape( scene, k ).object == object )
+		{
+			poses.push_back( lw_scene_shape( scene, k ).world_from_shape );
+			for ( int i = 0; i < 3; ++i )
+			{
+				poses.back().t[i] += by[i];
+			}
+		}
+	}
+	const lw_scene_change change = { LW_SCENE_MOVE, lw_scene_object_name( scene, object ), nullptr, poses.data(),
+	    static_cast<std::uint32_t>( poses.size() ) };
+	lw_scene* moved = nullptr;
+	leeway::require( lw_scene_edit( scene, &change, 1, nullptr, nullptr, &moved ), "lw_scene_edit" );
+	return leeway::Scene::adopt( moved );
+}
+
+/// What is left of the motion, by states.
+bool seemsFree( const lw_checker* checker, lw_query* query, const OwnedTrack& track, double now )
+{
+	lw_edge_def steps = lw_edge_def_default();
+	steps.method = LW_EDGE_STEPS;
+	steps.max_d = 0.01;
+	bool free = true;
+	for ( std::size_t i = 0; i < track.pieces.size() && free; ++i )
+	{
+		const OwnedPiece& piece = track.pieces[i];
+		if ( piece.end > now )
+		{
+			std::vector<double> from( track.variables.size() );
+			for ( std::size_t v = 0; v < from.size(); ++v )
+			{
+				from[v] = track.at( v, std::max( now, piece.start ) );
+			}
+			lw_edge_result r;
+			leeway::require(
+			    lw_checker_edge( checker, query, from.data(), piece.points.data() + from.size(), &steps, &r ), "steps" );
+			free = r.verdict == LW_VERDICT_FREE;
+		}
+	}
+	return free;
+}
+
+struct Times
+{
+	std::map<std::string, std::vector<double>> of;
+	std::size_t free = 0, blocked = 0, contradictions = 0;
+	Hash hash;
+};
+
+void drive( const EdgeWorld& world, const Settings& settings, int changes, SeededRng& rng, Times& times )
+{
+	OwnedClock clock = freeMotion( world, settings.pieces, rng );
+	if ( clock.tracks[0].pieces.empty() )
+	{
+		return;
+	}
+	const lw_clock view = clock.view();
+	const double end = clock.tracks[0].pieces.back().end;
+	lw_guard_def def = lw_guard_def_default();
+	def.checker = world.with_tables.get();
+	def.clock = &view;
+	def.end = end;
+	lw_guard* made = nullptr;
+	leeway::require( lw_guard_create( &def, nullptr, nullptr, &made ), "lw_guard_create" );
+	const std::unique_ptr<lw_guard, GuardReleaser> guard( made );
+	const leeway::Query query = leeway::makeQuery( world.with_tables.get() );
+	lw_guard_answer answer;
+	leeway::require( lw_guard_ask( guard.get(), 0, INFINITY, &answer ), "lw_guard_ask" );
+	for ( int i = 1; i <= changes; ++i )
+	{
+		const leeway::Scene scene = shifted( world.scene.get(), rng );
+		const double now = rng.uniform( 0, 0.5 * end );
+		times.of["publish (writer)"].push_back( microseconds(
+		    [&]
+		    {
+			    leeway::require(
+			        lw_guard_publish( guard.get(), scene.get(), static_cast<std::uint64_t>( i ), nullptr ), "publish" );
+		    } ) );
+		times.of["guard"].push_back( microseconds(
+		    [&] { leeway::require( lw_guard_ask( guard.get(), now, INFINITY, &answer ), "lw_guard_ask" ); } ) );
+		lw_checker_edit_def edit = lw_checker_edit_def_default();
+		edit.scene = scene.get();
+		lw_checker* full = nullptr;
+		leeway::require( lw_checker_edit( world.with_tables.get(), &edit, nullptr, nullptr, &full ), "lw_checker_edit" );
+		const leeway::Checker owner = leeway::Checker::adopt( full );
+		lw_timed_result whole;
+		times.of["whole proof"].push_back( microseconds( [&]
+		    { leeway::require( lw_checker_timed( full, query.get(), &view, now, end, &def.timed, &whole ), "timed" ); } ) );
+		times.of["states at 1 cm"].push_back(
+		    microseconds( [&] { times.hash.add( seemsFree( full, query.get(), clock.tracks[0], now ) ); } ) );
+		times.free += answer.verdict == LW_VERDICT_FREE;
+		times.blocked += answer.verdict == LW_VERDICT_BLOCKED;
+		times.contradictions += ( answer.verdict == LW_VERDICT_FREE && whole.verdict == LW_VERDICT_BLOCKED ) ||
+		                        ( answer.verdict == LW_VERDICT_BLOCKED && whole.verdict == LW_VERDICT_FREE );
+		times.hash.add( answer.verdict == LW_VERDICT_BLOCKED );
+	}
+}
+
+void report( const std::string& name, const Times& times, Result& result )
+{
+	std::printf(
+	    "%s: %zu free, %zu blocked, %zu contradictions\n", name.c_str(), times.free, times.blocked, times.contradictions );
+	for ( const auto& [what, values] : times.of )
+	{
+		std::vector<double> sorted = values;
+		std::sort( sorted.begin(), sorted.end() );
+		const double p99 = sorted[sorted.size() - 1 - sorted.size() / 100];
+		const Summary s = summarise( values );
+		std::printf( "  %-18s us: median %8.1f, 99 %% %8.1f, most %8.1f\n", what.c_str(), s.median, p99, sorted.back() );
+		Json row = { { "world", name }, { "what", what }, { "p99_us", rounded( p99 ) },
+		    { "most_us", rounded( sorted.back() ) }, { "answers_hash", times.hash.text() } };
+		row.update( toJson( s ) );
+		result.add( std::move( row ) );
+	}
+}
+
+int run( const Settings& settings, Result& result )
+{
+	lw_reach_def reach = lw_reach_def_default();
+	reach.seconds = settings.budget;
+	EdgeWorlds worlds( settings.data, reach );
+	worlds.addMbm( "panda", "panda_arm", { 1, 2, 3 } );
+	const std::size_t pandas = worlds.size();
+	worlds.addArmar( "right_arm", { 1, 2 } );
+	std::map<std::string, Times> times;
+	SeededRng rng{ std::mt19937_64( settings.seed ) };
+	const int changes = settings.quick ? 20 : settings.changes / static_cast<int>( pandas ) + 1;
+	for ( std::size_t i = 0; i < worlds.size(); ++i )
+	{
+		drive( worlds.world( i ), settings, changes, rng, times[i < pandas ? "Panda" : "ARMAR-III, kitchen"] );
+	}
+	std::size_t contradictions = 0;
+	for ( const auto& [name, of] : times )
+	{
+		report( name, of, result );
+		contradictions += of.contradictions;
+	}
+	return contradictions == 0 ? 0 : 1;
+}
+
+} // namespace
+
+void addGuard( Bench& bench )
+{
+	const auto s = std::make_shared<Settings>();
+	Command& command =
+	    bench.command( "guard", "a motion that runs while objects move: the guard, whole proofs, states at steps" );
+	command.option( "--data", s->data, "folder with mbm, armar3 and kit_kitchen" );
+	command.option( "--changes", s->changes, "scenes of each robot", { 1, 10000000 } );
+	command.option( "--pieces", s->pieces, "of the motion, half a second each", { 1, 1000 } );
+	command.option( "--budget", s->budget, "seconds of proofs for pair tables", { 0 } );
+	command.option( "--seed", s->seed, "of motions and scenes" );
+	command.flag( "--quick", s->quick, "twenty scenes a world" );
+	command.work(
+	    [s]( Result& result )
+	    {
+		    requireData( s->data, "mbm" );
+		    return run( *s, result );
+	    } );
+}
