@@ -20,6 +20,12 @@ constexpr unsigned corner_tries = 2;     // a corner is cut at the middle of its
 constexpr double least_piece = 0.02;     // share of an edge: points nearer to a state are replaced by the state
 constexpr double least_corner = 1e-3;    // share of the path's length that a cut corner has to save
 
+// A cut rounds a joint's value by less than 8 units of the last place of 1, times the joint's values at both ends. Edges are proved with
+// a tolerance that holds 64 cuts.
+constexpr double kept_tolerance = 0x1p-44; // share of a joint's values at both ends
+constexpr unsigned char most_cuts = 63;    // one behind another
+constexpr unsigned char not_kept = 255;    // proved without the tolerance, or by the caller
+
 /// A place on the path: a state, or a point between it and the next.
 struct Place
 {
@@ -32,9 +38,10 @@ class Smoother
 public:
 	Smoother( const lw_checker* checker, lw_query* query, const SmoothSettings& settings, const Stop& stop, Path& path,
 	    Statistics& statistics )
-	    : m_settings( settings ), m_space( Space::ofLimits( checker ) ),
-	      m_validator( checker, query, settings.edge, statistics ), m_deadline( stop ), m_random( settings.seed ),
-	      m_path( path )
+	    : m_settings( settings ), m_space( Space::ofLimits( checker ) ), m_tolerance( m_space.size() ),
+	      m_validator( checker, query, withTolerance( settings.edge, m_tolerance.data() ), statistics ),
+	      m_deadline( stop ), m_random( settings.seed ), m_path( path ),
+	      m_cuts( path.count() > 0 ? path.count() - 1 : 0, not_kept )
 	{
 	}
 
@@ -71,21 +78,52 @@ public:
 	}
 
 private:
+	/// Certificates hold for a tolerance around the edge, samples for none.
+	static lw_edge_def withTolerance( lw_edge_def edge, const double* tolerance )
+	{
+		edge.tolerance = edge.method == LW_EDGE_CERTIFIED ? tolerance : nullptr;
+		return edge;
+	}
+
 	bool over() { return m_deadline.over() || m_validator.status() != LW_OK; }
 
 	/// Two of three long shortcuts fail, nearly all of them at one of the states that are looked at first.
 	bool isFree( const double* a, const double* b )
 	{
-		return m_space.partCount( a, b ) == 1 && m_validator.seemsFree( m_space, a, b ) && m_validator.isEdgeFree( a, b );
+		if ( m_space.partCount( a, b ) != 1 || !m_validator.seemsFree( m_space, a, b ) )
+		{
+			return false;
+		}
+		for ( std::size_t i = 0; i < m_tolerance.size(); ++i )
+		{
+			const double size = std::fabs( a[i] ) + std::fabs( b[i] ) + ( m_space.wraps( i ) ? 2 * full_turn : 0 );
+			m_tolerance[i] = ( m_settings.edge.tolerance != nullptr ? m_settings.edge.tolerance[i] : 0 ) + kept_tolerance * size;
+		}
+		return m_validator.isEdgeFree( a, b );
 	}
 
-	/// Replaces the states strictly between `first` and `last` by the given ones.
-	void replace( std::size_t first, std::size_t last, const std::vector<double>& states )
+	/// A piece of an edge that was proved with the tolerance lies within that, and needs no proof.
+	/// @param edge of which a to b is a piece @param cuts of the piece
+	bool isPieceFree( std::size_t edge, const double* a, const double* b, unsigned char* cuts )
+	{
+		const bool kept = m_cuts[edge] < most_cuts;
+		*cuts = kept ? static_cast<unsigned char>( m_cuts[edge] + 1 ) : fresh();
+		return kept || isFree( a, b );
+	}
+
+	/// Cuts of an edge that was proved now.
+	unsigned char fresh() const { return m_settings.edge.method == LW_EDGE_CERTIFIED ? 0 : not_kept; }
+
+	/// Replaces the states strictly between `first` and `last` by the given ones. @param cuts of the new edges
+	void replace(
+	    std::size_t first, std::size_t last, const std::vector<double>& states, const std::vector<unsigned char>& cuts )
 	{
 		const auto at = [&]( std::size_t i )
 		{ return m_path.values.begin() + static_cast<std::ptrdiff_t>( i * m_path.dimension ); };
 		const auto place = m_path.values.erase( at( first + 1 ), at( last ) );
 		m_path.values.insert( place, states.begin(), states.end() );
+		const auto edge = [&]( std::size_t i ) { return m_cuts.begin() + static_cast<std::ptrdiff_t>( i ); };
+		m_cuts.insert( m_cuts.erase( edge( first ), edge( last ) ), cuts.begin(), cuts.end() );
 	}
 
 	/// From each state straight to the last state that can be reached.
@@ -97,7 +135,7 @@ private:
 			{
 				if ( isFree( m_path[i], m_path[j] ) )
 				{
-					replace( i, j, {} );
+					replace( i, j, {}, { fresh() } );
 					break;
 				}
 			}
@@ -146,11 +184,13 @@ private:
 		append( to, m_new );
 		const double *p = m_new.data(), *q = p + m_path.dimension;
 		const std::size_t after = to.edge + ( to.t > 0 ? 1 : 0 ); // the first state that stays
-		if ( !isFree( p, q ) || ( from.t > 0 && !isFree( m_path[from.edge], p ) ) ||
-		     ( to.t > 0 && !isFree( q, m_path[after] ) ) )
+		unsigned char before_cuts = 0, after_cuts = 0;
+		if ( !isFree( p, q ) || ( from.t > 0 && !isPieceFree( from.edge, m_path[from.edge], p, &before_cuts ) ) ||
+		     ( to.t > 0 && !isPieceFree( to.edge, q, m_path[after], &after_cuts ) ) )
 		{
 			return false;
 		}
+		std::vector<unsigned char> cuts;
 		if ( to.t <= 0 )
 		{
 			m_new.resize( m_path.dimension );
@@ -159,7 +199,16 @@ private:
 		{
 			m_new.erase( m_new.begin(), m_new.begin() + static_cast<std::ptrdiff_t>( m_path.dimension ) );
 		}
-		replace( from.edge, after, m_new );
+		if ( from.t > 0 )
+		{
+			cuts.push_back( before_cuts );
+		}
+		cuts.push_back( fresh() );
+		if ( to.t > 0 )
+		{
+			cuts.push_back( after_cuts );
+		}
+		replace( from.edge, after, m_new, cuts );
 		return true;
 	}
 
@@ -207,10 +256,12 @@ private:
 
 	const SmoothSettings& m_settings;
 	Space m_space;
+	std::vector<double> m_tolerance; ///< with which the next edge is proved
 	Validator m_validator;
 	Deadline m_deadline;
 	Random m_random;
 	Path& m_path;
+	std::vector<unsigned char> m_cuts; ///< of each edge: cuts since the proof of an edge that it is a piece of
 	std::vector<double> m_new, m_corner;
 };
 

@@ -215,7 +215,7 @@ static uint32_t tree_meets( const lane_states* s, const primitive_test* q, uint3
 	return met;
 }
 
-/// Lanes, of these, in which a vertex of the body is inside of the primitive.
+/// Lanes, of these, in which a vertex of the body, or a point of a body without vertices, is inside of the primitive.
 static uint32_t points_inside( const lane_states* s, const primitive_test* q, const lwi_convex* convex, double slack,
 	uint32_t lanes )
 {
@@ -275,7 +275,7 @@ static void meet_obstacle( lane_states* s, lane_body* b, uint32_t shape, uint32_
 	lanes = bounded ? lanes & boxes_meet( s, q ) : lanes;
 	const bool all = tree_is_all( b->shape, &convex, solid->type );
 	lanes = all && lanes != 0 ? root_meets( s, q, lanes ) : lanes;
-	if ( lanes != 0 && b->shape->family == LWI_TRIANGLES && bounded )
+	if ( lanes != 0 && bounded )
 	{
 		const uint32_t blocked = points_inside( s, q, &convex, slack, lanes );
 		s->left &= ~blocked;
