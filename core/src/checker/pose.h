@@ -94,6 +94,10 @@ void lwi_pose_lane_spheres( const lw_checker* checker, lw_query* query, double h
 /// The centre of a body's sphere likewise, by its place in the tree; posed at the first call. @param half as there
 const lwi_batch_point* lwi_lane_body( const lw_checker* checker, lw_query* query, uint32_t place, double half );
 
+/// Lanes, of these, in which one of a few points of a body seems to be inside of an obstacle: a hint, no proof. For frames of the lanes
+/// that are posed, and a checker with a scene.
+uint32_t lwi_lanes_in_contact( const lw_checker* checker, lw_query* query, uint32_t body, uint32_t lanes );
+
 LW_EXTERN_C_END
 
 #endif

@@ -15,6 +15,7 @@ enum
 {
 	MOST_NODES = 96,   ///< of a body's tree that are opened against one obstacle
 	MOST_WAITING = 24, ///< trees that wait until all bodies were looked at for contact; more are opened at once
+	HINT_BLOCKS = 2,   ///< of a body's extreme points, for a hint
 	MOST_HEIGHT = 7 * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH
 };
 
@@ -44,6 +45,7 @@ typedef struct lane_states
 	bool near_only;                ///< obstacles outside of near_mask are farther
 	bool covered;                  ///< the reach's tables hold in all lanes
 	bool contact_only;             ///< nothing is proved free, and a lane in contact ends all
+	uint32_t point_blocks;         ///< of a body's extreme points that are tested, at most
 	uint32_t all;                  ///< lanes with states
 	uint32_t left;                 ///< lanes not known to be blocked
 	uint32_t unsure[2];      ///< of these, lanes in which a pair with the scene, or of the robot itself, is not decided
@@ -229,7 +231,8 @@ static uint32_t points_inside( const lane_states* s, const primitive_test* q, co
 		}
 		inner.size[i] = lwi_round_down( convex->size[i] - slack );
 	}
-	return s->kernels->lane_points( &q->motion, q->shape->extreme_points, q->shape->extreme_blocks, &inner, lanes );
+	const uint32_t blocks = q->shape->extreme_blocks < s->point_blocks ? q->shape->extreme_blocks : s->point_blocks;
+	return s->kernels->lane_points( &q->motion, q->shape->extreme_points, blocks, &inner, lanes );
 }
 
 /// True if trees of triangles or balls hold everything at which the primitive can touch the body: a solid body that the
@@ -274,7 +277,7 @@ static void meet_obstacle( lane_states* s, lane_body* b, uint32_t shape, uint32_
 	}
 	lanes = bounded ? lanes & boxes_meet( s, q ) : lanes;
 	const bool all = tree_is_all( b->shape, &convex, solid->type );
-	lanes = all && lanes != 0 ? root_meets( s, q, lanes ) : lanes;
+	lanes = all && lanes != 0 && s->point_blocks > HINT_BLOCKS ? root_meets( s, q, lanes ) : lanes;
 	if ( lanes != 0 && bounded )
 	{
 		const uint32_t blocked = points_inside( s, q, &convex, slack, lanes );
@@ -356,6 +359,26 @@ static void body_environment( lane_states* s, uint32_t place )
 			}
 		}
 	}
+}
+
+uint32_t lwi_lanes_in_contact( const lw_checker* c, lw_query* query, uint32_t body, uint32_t lanes )
+{
+	primitive_test test;
+	lane_states s = { .checker = c,
+		.query = query,
+		.kernels = query->search.kernels,
+		.tree = c->base->tree,
+		.frames = query->scratch.lane_frames,
+		.reach = c->scene->extent,
+		.scene_size = c->scene->extent,
+		.near_only = 0 <= c->culling.horizon,
+		.contact_only = true,
+		.point_blocks = HINT_BLOCKS,
+		.all = lanes,
+		.left = lanes,
+		.waiting = &test };
+	body_environment( &s, c->base->tree->body_place[body] );
+	return lanes & ~s.left;
 }
 
 /// True if the sphere of a cluster with several bodies meets some obstacle in some lane.
@@ -548,6 +571,7 @@ static lane_states test_block( const lw_checker* c, lw_query* query, const doubl
 		.tree = c->base->tree,
 		.frames = query->scratch.lane_frames,
 		.contact_only = contact_only,
+		.point_blocks = UINT32_MAX,
 		.all = lwi_low_bits( count ),
 		.left = lwi_low_bits( count ) };
 	if ( !has_lanes( c, flags, min_d ) || !test_lanes( &s, q, count, flags, min_d ) )

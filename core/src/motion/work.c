@@ -4,6 +4,7 @@
 // Schwarzer, Saha, Latombe, IEEE T-RO 21(3), 2005, with shared samples: the places of samples are the middles of dyadic
 // cells for all pairs alike, so that a posed state serves many. Whatever the order, an answer holds: only certificates
 // remove windows. Order, work and probes: core/docs/search.md.
+#include "checker/pose.h"
 #include "motion/edge.h"
 #include "base/math_inline.h"
 
@@ -164,13 +165,23 @@ static bool probe_states( lwi_edge* e )
 	return free;
 }
 
-/// The one rule for probes before a verdict. The more windows of a cell are open, the more likely is a collision somewhere, and the more a
-/// proof would cost. Within the slack it takes many windows, and most edges that need one are blocked.
-/// @param open windows of one cell that are to be halved @return false if there is a collision
-static bool probe_before_halving( lwi_edge* e, uint32_t open )
+/// Within the slack a pair takes many windows, and most edges that need one are blocked. @return false if there is a collision
+static bool probe_close( lwi_edge* e )
 {
-	const bool worth = ( open >= LWI_PROBE_WORK && has_room( e ) ) || e->pairs.close > 0;
-	return e->work.from_left || !worth || probe_states( e ); // a run ends before a collision that is known
+	return e->work.from_left || e->pairs.close == 0 || probe_states( e ); // a run ends before a collision that is known
+}
+
+/// Looks at the middles of the gate's windows, whose lanes are posed, for points of open bodies inside of obstacles; the first such
+/// state is tested. @return false if it is in collision
+static bool look_at_lanes( lwi_edge* e )
+{
+	uint32_t met = 0;
+	for ( uint32_t i = 0; i < e->pairs.count && met == 0; ++i )
+	{
+		const lwi_edge_pair* pair = &e->pairs.all[i];
+		met = lwi_edge_pair_is_self( pair ) ? 0 : lwi_lanes_in_contact( e->checker, e->query, pair->body[0], pair->cells );
+	}
+	return met == 0 || lwi_edge_state_is_free( e, e->work.end * ( ( lwi_lowest_bit( met ) + 0.5 ) / LWI_WIDTH ) );
 }
 
 static void probe_undecided( lwi_edge* e )
@@ -220,7 +231,7 @@ static bool measure_cell( lwi_edge* e, lwi_open_window* windows, uint32_t count,
 			{
 				continue;
 			}
-			high = high && probe_before_halving( e, 0 );
+			high = high && probe_close( e );
 		}
 		windows[( *open )++] = w;
 	}
@@ -267,7 +278,7 @@ static bool take_first( lwi_edge* e )
 	if ( !e->failed && lwi_edge_static_is_free( e ) && ( w->from_left || lwi_edge_measure_path( e ) ) )
 	{
 		begin_first( e );
-		return true;
+		return w->from_left || !has_room( e ) || look_at_lanes( e );
 	}
 	++w->first_count; // it is open
 	return false;
@@ -292,8 +303,7 @@ static bool step( lwi_edge* e )
 		return lwi_edge_fail( e, &e->pairs.all[cell.pair], window.t - window.half, &given_up );
 	}
 	const bool high = measure_cell( e, w->windows + at, count, &open );
-	if ( e->failed || ( !high && !w->from_left ) || at + 3 * open > w->capacity ||
-		 ( high && !probe_before_halving( e, open ) ) )
+	if ( e->failed || ( !high && !w->from_left ) || at + 3 * open > w->capacity || ( high && !probe_close( e ) ) )
 	{
 		return false;
 	}
