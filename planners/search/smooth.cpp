@@ -8,6 +8,8 @@
 #include "validator.hpp"
 
 #include <algorithm>
+#include <numeric>
+#include <unordered_set>
 
 namespace leeway::planners
 {
@@ -19,6 +21,7 @@ constexpr std::size_t most_states = 200; // no corners are cut in longer paths
 constexpr unsigned corner_tries = 2;     // a corner is cut at the middle of its edges, then at a quarter
 constexpr double least_piece = 0.02;     // share of an edge: points nearer to a state are replaced by the state
 constexpr double least_corner = 1e-3;    // share of the path's length that a cut corner has to save
+constexpr double least_shortcut = 5e-3;  // and a shortcut
 
 // A cut rounds a joint's value by less than 8 units of the last place of 1, times the joint's values at both ends. Edges are proved with
 // a tolerance that holds 64 cuts.
@@ -41,8 +44,10 @@ public:
 	    : m_settings( settings ), m_space( Space::ofLimits( checker ) ), m_tolerance( m_space.size() ),
 	      m_validator( checker, query, withTolerance( settings.edge, m_tolerance.data() ), statistics ),
 	      m_deadline( stop ), m_random( settings.seed ), m_path( path ),
-	      m_cuts( path.count() > 0 ? path.count() - 1 : 0, not_kept )
+	      m_cuts( path.count() > 0 ? path.count() - 1 : 0, not_kept ), m_names( path.count() ),
+	      m_names_used( static_cast<std::uint32_t>( path.count() ) )
 	{
+		std::iota( m_names.begin(), m_names.end(), 0u );
 	}
 
 	lw_status run()
@@ -67,10 +72,13 @@ public:
 		return m_validator.status();
 	}
 
-	double total() const
+	double total() const { return m_path.count() > 0 ? lengthBetween( 0, m_path.count() - 1 ) : 0; }
+
+	/// Length of the path from one state to another.
+	double lengthBetween( std::size_t first, std::size_t last ) const
 	{
 		double sum = 0;
-		for ( std::size_t i = 0; i + 1 < m_path.count(); ++i )
+		for ( std::size_t i = first; i < last; ++i )
 		{
 			sum += m_space.distance( m_path[i], m_path[i + 1] );
 		}
@@ -124,16 +132,37 @@ private:
 		m_path.values.insert( place, states.begin(), states.end() );
 		const auto edge = [&]( std::size_t i ) { return m_cuts.begin() + static_cast<std::ptrdiff_t>( i ); };
 		m_cuts.insert( m_cuts.erase( edge( first ), edge( last ) ), cuts.begin(), cuts.end() );
+		const auto name = [&]( std::size_t i ) { return m_names.begin() + static_cast<std::ptrdiff_t>( i ); };
+		const auto names = m_names.insert( m_names.erase( name( first + 1 ), name( last ) ), cuts.size() - 1, 0u );
+		std::iota( names, names + static_cast<std::ptrdiff_t>( cuts.size() - 1 ), m_names_used );
+		m_names_used += static_cast<std::uint32_t>( cuts.size() - 1 );
 	}
 
-	/// From each state straight to the last state that can be reached.
+	/// Is the edge between two states of the path free? One that failed is not tried again in a later round.
+	bool canJoin( std::size_t i, std::size_t j )
+	{
+		const std::uint64_t names = std::uint64_t( m_names[i] ) << 32 | m_names[j];
+		if ( m_failed.count( names ) != 0 )
+		{
+			return false;
+		}
+		const bool free = isFree( m_path[i], m_path[j] );
+		if ( !free )
+		{
+			m_failed.insert( names );
+		}
+		return free;
+	}
+
+	/// From each state straight to the last state that can be reached, where that saves enough.
 	void joinStates()
 	{
+		const double worth = least_shortcut * total();
 		for ( std::size_t i = 0; i + 2 < m_path.count(); ++i )
 		{
 			for ( std::size_t j = m_path.count() - 1; j > i + 1 && !over(); --j )
 			{
-				if ( isFree( m_path[i], m_path[j] ) )
+				if ( lengthBetween( i, j ) - m_space.distance( m_path[i], m_path[j] ) >= worth && canJoin( i, j ) )
 				{
 					replace( i, j, {}, { fresh() } );
 					break;
@@ -176,14 +205,20 @@ private:
 		}
 	}
 
-	/// Joins two places by a straight edge if that, and the rest of their edges, are free.
-	bool join( const Place& from, const Place& to )
+	/// Joins two places by a straight edge if that saves enough, and it and the rest of their edges are free.
+	bool join( const Place& from, const Place& to, double worth )
 	{
 		m_new.clear();
 		append( from, m_new );
 		append( to, m_new );
 		const double *p = m_new.data(), *q = p + m_path.dimension;
 		const std::size_t after = to.edge + ( to.t > 0 ? 1 : 0 ); // the first state that stays
+		const double length = m_space.distance( p, m_path[from.edge + 1] ) + lengthBetween( from.edge + 1, to.edge ) +
+		                      m_space.distance( m_path[to.edge], q );
+		if ( length - m_space.distance( p, q ) < worth )
+		{
+			return false;
+		}
 		unsigned char before_cuts = 0, after_cuts = 0;
 		if ( !isFree( p, q ) || ( from.t > 0 && !isPieceFree( from.edge, m_path[from.edge], p, &before_cuts ) ) ||
 		     ( to.t > 0 && !isPieceFree( to.edge, q, m_path[after], &after_cuts ) ) )
@@ -221,7 +256,7 @@ private:
 			const std::size_t last = to.t > 0 ? to.edge : to.edge - 1;
 			if ( to.edge > from.edge && last > from.edge )
 			{
-				join( from, to );
+				join( from, to, least_shortcut * length );
 			}
 		}
 	}
@@ -235,17 +270,7 @@ private:
 			double share = 0.5;
 			for ( unsigned k = 0; k < corner_tries && !over(); ++k, share /= 2 )
 			{
-				const double *a = m_path[i - 1], *v = m_path[i], *b = m_path[i + 1];
-				m_corner.resize( 2 * m_path.dimension );
-				m_space.between( v, a, share, m_corner.data() );
-				m_space.between( v, b, share, m_corner.data() + m_path.dimension );
-				const double saved = share * ( m_space.distance( a, v ) + m_space.distance( v, b ) ) -
-				                     m_space.distance( m_corner.data(), m_corner.data() + m_path.dimension );
-				if ( saved < worth )
-				{
-					break;
-				}
-				if ( join( { i - 1, 1 - share }, { i, share } ) )
+				if ( join( { i - 1, 1 - share }, { i, share }, worth ) )
 				{
 					++i; // the corner is two states now
 					break;
@@ -262,7 +287,10 @@ private:
 	Random m_random;
 	Path& m_path;
 	std::vector<unsigned char> m_cuts; ///< of each edge: cuts since the proof of an edge that it is a piece of
-	std::vector<double> m_new, m_corner;
+	std::vector<std::uint32_t> m_names; ///< of each state
+	std::uint32_t m_names_used;
+	std::unordered_set<std::uint64_t> m_failed; ///< pairs of names: their edge is not free
+	std::vector<double> m_new;
 };
 
 } // namespace

@@ -13,7 +13,7 @@ struct SmoothSettings
 	std::uint64_t seed = 1;
 	unsigned rounds =
 	    2; ///< at most; a round is shortcuts between states, shortcuts between points of edges, then cut corners
-	unsigned shortcuts = 4; ///< between random points of the path, tried in a round
+	unsigned shortcuts = 8; ///< between random points of the path, tried in a round
 	double gain = 0.05;     ///< a round that shortens the path by less than this share is the last
 };
 
