@@ -96,7 +96,9 @@ const lwi_batch_point* lwi_lane_body( const lw_checker* checker, lw_query* query
 
 /// Lanes, of these, in which one of a few points of a body seems to be inside of an obstacle: a hint, no proof. For frames of the lanes
 /// that are posed, and a checker with a scene.
-uint32_t lwi_lanes_in_contact( const lw_checker* checker, lw_query* query, uint32_t body, uint32_t lanes );
+/// @param out_unsure of the other lanes, those in which it is near an obstacle that points are not compared with, such as a mesh
+uint32_t lwi_lanes_in_contact( const lw_checker* checker, lw_query* query, uint32_t body, uint32_t lanes,
+	uint32_t* out_unsure );
 
 LW_EXTERN_C_END
 

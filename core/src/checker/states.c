@@ -361,7 +361,7 @@ static void body_environment( lane_states* s, uint32_t place )
 	}
 }
 
-uint32_t lwi_lanes_in_contact( const lw_checker* c, lw_query* query, uint32_t body, uint32_t lanes )
+uint32_t lwi_lanes_in_contact( const lw_checker* c, lw_query* query, uint32_t body, uint32_t lanes, uint32_t* out_unsure )
 {
 	primitive_test test;
 	lane_states s = { .checker = c,
@@ -378,6 +378,7 @@ uint32_t lwi_lanes_in_contact( const lw_checker* c, lw_query* query, uint32_t bo
 		.left = lanes,
 		.waiting = &test };
 	body_environment( &s, c->base->tree->body_place[body] );
+	*out_unsure = s.unsure[0] & s.left;
 	return lanes & ~s.left;
 }
 

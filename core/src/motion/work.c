@@ -171,38 +171,32 @@ static bool probe_close( lwi_edge* e )
 	return e->work.from_left || e->pairs.close == 0 || probe_states( e ); // a run ends before a collision that is known
 }
 
-/// The lane of the gate in which most pairs are open. @param most their number
-static uint32_t fullest_lane( const lwi_edge* e, uint32_t* most )
-{
-	uint32_t counts[LWI_WIDTH] = { 0 }, fullest = 0;
-	for ( uint32_t i = 0; i < e->pairs.count; ++i )
-	{
-		for ( uint32_t cells = e->pairs.all[i].cells; cells != 0; cells &= cells - 1 )
-		{
-			++counts[lwi_lowest_bit( cells )];
-		}
-	}
-	for ( uint32_t lane = 1; lane < LWI_WIDTH; ++lane )
-	{
-		fullest = counts[lane] > counts[fullest] ? lane : fullest;
-	}
-	*most = counts[fullest];
-	return fullest;
-}
-
 /// Looks at the middles of the gate's windows, whose lanes are posed, for points of open bodies inside of obstacles. Tests the first
-/// such state, or else the middle in which most pairs are open. @return false if it is in collision
+/// such state, or else the middle in which most bodies may touch obstacles that points do not tell. @return false if it is in collision
 static bool look_at_lanes( lwi_edge* e )
 {
-	uint32_t met = 0, most;
+	uint32_t met = 0, counts[LWI_WIDTH] = { 0 }, lane = 0;
 	for ( uint32_t i = 0; i < e->pairs.count && met == 0; ++i )
 	{
 		const lwi_edge_pair* pair = &e->pairs.all[i];
-		met = lwi_edge_pair_is_self( pair ) ? 0 : lwi_lanes_in_contact( e->checker, e->query, pair->body[0], pair->cells );
+		if ( lwi_edge_pair_is_self( pair ) )
+		{
+			continue;
+		}
+		uint32_t unsure;
+		met = lwi_lanes_in_contact( e->checker, e->query, pair->body[0], pair->cells, &unsure );
+		for ( ; unsure != 0; unsure &= unsure - 1 )
+		{
+			++counts[lwi_lowest_bit( unsure )];
+		}
 	}
-	const uint32_t fullest = fullest_lane( e, &most ), lane = met != 0 ? lwi_lowest_bit( met ) : fullest;
-	return ( met == 0 && most < LWI_PROBE_WORK ) ||
-		   lwi_edge_state_is_free( e, e->work.end * ( ( lane + 0.5 ) / LWI_WIDTH ) );
+	for ( uint32_t i = 1; i < LWI_WIDTH; ++i )
+	{
+		lane = counts[i] > counts[lane] ? i : lane;
+	}
+	const bool worth = met != 0 || counts[lane] >= LWI_PROBE_BODIES;
+	lane = met != 0 ? lwi_lowest_bit( met ) : lane;
+	return !worth || lwi_edge_state_is_free( e, e->work.end * ( ( lane + 0.5 ) / LWI_WIDTH ) );
 }
 
 static void probe_undecided( lwi_edge* e )
