@@ -135,6 +135,24 @@ lw_shape* cube( double h, bool solid )
 	return shape;
 }
 
+/// A body that reaches from -0.1 to 0.1 along x: a primitive, or the mesh of a cube.
+lw_shape* slidingBody( int kind )
+{
+	switch ( kind )
+	{
+	case 0:
+		return primitive( LW_SHAPE_BOX, 0.2, 0.15, 0.1 );
+	case 1:
+		return primitive( LW_SHAPE_CYLINDER, 0.1, 0.12 );
+	case 2:
+		return primitive( LW_SHAPE_CONE, 0.1, 0.12 );
+	case 3:
+		return primitive( LW_SHAPE_SPHERE, 0.1 );
+	default:
+		return cube( 0.1, kind == 4 );
+	}
+}
+
 } // namespace
 
 TEST( States, AnswersDifferFromThoseOfSingleStates )
@@ -181,15 +199,34 @@ TEST( States, ContactIsFreeOrARoomOfMicrometresBlocked )
 			const double r[3][3] = { { 0, 0, 1 }, { 0, 1, 0 }, { -1, 0, 0 } };
 			std::copy( &r[0][0], &r[0][0] + 9, &at.r[0][0] );
 		}
-		const Slider slider( cube( 0.1, rng.integer( 0, 1 ) != 0 ), obstacle, at );
+		const int body = rng.integer( 0, 5 );
+		SCOPED_TRACE( "body " + std::to_string( body ) );
+		const Slider slider( slidingBody( body ), obstacle, at );
 		const lw_verdict verdict = slider.look( face + 0.1 + gap );
 		seen[verdict]++;
 		EXPECT_TRUE( gap > 0 || verdict != LW_VERDICT_FREE ) << gap << ", obstacle " << kind;
 		EXPECT_TRUE( gap < 0 || verdict != LW_VERDICT_BLOCKED ) << gap << ", obstacle " << kind;
-		EXPECT_TRUE( gap < 1e-3 || verdict == LW_VERDICT_FREE ) << gap << ", obstacle " << kind;
+		const bool by_sphere = kind == 2 && body < 3; // a primitive against a half-space
+		EXPECT_TRUE( gap < ( by_sphere ? 0.1 : 1e-3 ) || verdict == LW_VERDICT_FREE ) << gap << ", obstacle " << kind;
+		EXPECT_TRUE( gap > -1e-5 || kind > 0 || verdict == LW_VERDICT_BLOCKED ) << gap << ", a box";
 	}
 	EXPECT_GT( seen[LW_VERDICT_FREE], 1000u );
 	EXPECT_GT( seen[LW_VERDICT_BLOCKED], 1000u );
+}
+
+TEST( States, CollisionsAtAMiddleOfTheGateTakeManyStates )
+{
+	// at 5/16 of the edge, where no halving comes early; the body is long, so that its sphere is near for half of the edge
+	const Slider slider(
+	    primitive( LW_SHAPE_BOX, 0.04, 0.04, 1 ), primitive( LW_SHAPE_BOX, 0.06, 0.3, 1.2 ), shifted( -0.375 ) );
+	const QueryPtr query = makeQuery( slider.checker );
+	const lw_edge_def def = lw_edge_def_default();
+	const double a = -1, b = 1;
+	lw_edge_result edge;
+	ASSERT_EQ( LW_OK, lw_checker_edge( slider.checker, query.get(), &a, &b, &def, &edge ) );
+	EXPECT_EQ( LW_VERDICT_BLOCKED, edge.verdict );
+	EXPECT_NEAR( 5 / 16.0, edge.t, 1e-12 );
+	EXPECT_LE( edge.queries, 4u ) << "ends and middle, for bounds of the motion, and the collision";
 }
 
 TEST( States, MarginIsForgotten )

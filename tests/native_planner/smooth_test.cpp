@@ -75,6 +75,29 @@ TEST( NativeSmoother, EveryEdgeIsJudgedFree )
 	}
 }
 
+TEST( NativeSmoother, PiecesLoseTheCallersTolerance )
+{
+	for ( std::uint64_t seed = 1; seed <= 5; ++seed )
+	{
+		Problem problem( worldOf( "Arm" ), withMargin( 0.004 ) );
+		planners::Path path = longPath( problem );
+		const std::vector<double> tolerance( path.dimension, 1e-3 );
+		planners::SmoothSettings settings = thorough( 0, seed );
+		settings.edge.tolerance = tolerance.data();
+		const planners::Path given = path;
+		ASSERT_EQ( planners::smooth( problem.checker.get(), problem.query.get(), settings, {}, path ), LW_OK );
+		EXPECT_NE( path.values, given.values );
+		for ( std::size_t i = 0; i + 1 < path.count(); ++i )
+		{
+			lw_edge_result edge;
+			ASSERT_EQ( lw_checker_edge(
+			               problem.checker.get(), problem.query.get(), path[i], path[i + 1], &settings.edge, &edge ),
+			    LW_OK );
+			EXPECT_EQ( edge.verdict, LW_VERDICT_FREE ) << "seed " << seed << ", edge " << i << " of " << path.count();
+		}
+	}
+}
+
 TEST( NativeSmoother, EveryNewEdgeIsJudged )
 {
 	// The first and the last edge cross closed walls, so that a kept piece of them that was not judged is not free either
