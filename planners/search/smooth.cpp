@@ -42,10 +42,9 @@ public:
 	Smoother( const lw_checker* checker, lw_query* query, const SmoothSettings& settings, const Stop& stop, Path& path,
 	    Statistics& statistics )
 	    : m_settings( settings ), m_space( Space::ofLimits( checker ) ), m_tolerance( m_space.size() ),
-	      m_validator( checker, query, withTolerance( settings.edge, m_tolerance.data() ), statistics ),
-	      m_deadline( stop ), m_random( settings.seed ), m_path( path ),
-	      m_cuts( path.count() > 0 ? path.count() - 1 : 0, not_kept ), m_names( path.count() ),
-	      m_names_used( static_cast<std::uint32_t>( path.count() ) )
+	      m_validator( checker, query, withTolerance( settings.edge, m_tolerance.data() ), statistics ), m_deadline( stop ),
+	      m_random( settings.seed ), m_path( path ), m_cuts( path.count() > 0 ? path.count() - 1 : 0, not_kept ),
+	      m_names( path.count() ), m_names_used( static_cast<std::uint32_t>( path.count() ) )
 	{
 		std::iota( m_names.begin(), m_names.end(), 0u );
 	}
@@ -105,7 +104,8 @@ private:
 		for ( std::size_t i = 0; i < m_tolerance.size(); ++i )
 		{
 			const double size = std::fabs( a[i] ) + std::fabs( b[i] ) + ( m_space.wraps( i ) ? 2 * full_turn : 0 );
-			m_tolerance[i] = ( m_settings.edge.tolerance != nullptr ? m_settings.edge.tolerance[i] : 0 ) + kept_tolerance * size;
+			m_tolerance[i] =
+			    ( m_settings.edge.tolerance != nullptr ? m_settings.edge.tolerance[i] : 0 ) + kept_tolerance * size;
 		}
 		return m_validator.isEdgeFree( a, b );
 	}
@@ -286,7 +286,7 @@ private:
 	Deadline m_deadline;
 	Random m_random;
 	Path& m_path;
-	std::vector<unsigned char> m_cuts; ///< of each edge: cuts since the proof of an edge that it is a piece of
+	std::vector<unsigned char> m_cuts;  ///< of each edge: cuts since the proof of an edge that it is a piece of
 	std::vector<std::uint32_t> m_names; ///< of each state
 	std::uint32_t m_names_used;
 	std::unordered_set<std::uint64_t> m_failed; ///< pairs of names: their edge is not free

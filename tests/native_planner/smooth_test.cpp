@@ -90,8 +90,8 @@ TEST( NativeSmoother, PiecesLoseTheCallersTolerance )
 		for ( std::size_t i = 0; i + 1 < path.count(); ++i )
 		{
 			lw_edge_result edge;
-			ASSERT_EQ( lw_checker_edge(
-			               problem.checker.get(), problem.query.get(), path[i], path[i + 1], &settings.edge, &edge ),
+			ASSERT_EQ(
+			    lw_checker_edge( problem.checker.get(), problem.query.get(), path[i], path[i + 1], &settings.edge, &edge ),
 			    LW_OK );
 			EXPECT_EQ( edge.verdict, LW_VERDICT_FREE ) << "seed " << seed << ", edge " << i << " of " << path.count();
 		}

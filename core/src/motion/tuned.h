@@ -19,7 +19,8 @@
 
 enum
 {
-	LWI_PROBE_BODIES = 3,         ///< near obstacles without a test of points, in a window of the gate, from which its middle is tested
+	LWI_PROBE_BODIES =
+		3, ///< near obstacles without a test of points, in a window of the gate, from which its middle is tested
 	LWI_MOST_PROBES = 16,         ///< states of a look and of all probes, poses of the middle again among them
 	LWI_PIECES_MOST_FAILURES = 5, ///< in a row: then one test in 2^5 of a pair tries planes of its pieces
 	LWI_RUN_STATES = 8,           ///< for proved_until, at least; as many as for the verdict if those are more
