@@ -83,7 +83,7 @@ bool lwi_edge_begin( lwi_edge* edge )
 	lwi_checker_bind( edge->checker, query );
 	if ( edge->memory->bindings != query->pose.bindings )
 	{
-		memset( edge->memory, 0, sizeof( *edge->memory ) );
+		memset( edge->memory->pair_cache, 0, sizeof( edge->memory->pair_cache ) ); // planes know their bindings
 		edge->memory->bindings = query->pose.bindings;
 	}
 	edge->pairs.separation = edge->pairs.surplus = INFINITY;

@@ -150,6 +150,7 @@ typedef struct lwi_edge_pairs
 typedef struct lwi_edge_plane
 {
 	uint64_t key;       ///< of the two hulls; 0: empty
+	uint64_t bindings;  ///< of the memory when it was written: it is empty for any other
 	lwi_backoff pieces; ///< of tests of their pieces
 	bool split;         ///< planes of pieces proved the pair last time, and those of the whole did not
 	bool begun;         ///< there are some

@@ -49,9 +49,10 @@ static void direction_between( const lwi_swept_poses* a, const lwi_swept_poses* 
 static lwi_edge_plane* plane_of( lwi_edge* e, uint64_t key )
 {
 	lwi_edge_plane* p = &e->memory->planes[( key * 0x9e3779b97f4a7c15u ) >> ( 64 - LWI_EDGE_CACHE_BITS )];
-	if ( p->key != key + 1 )
+	if ( p->key != key + 1 || p->bindings != e->memory->bindings )
 	{
 		p->key = key + 1;
+		p->bindings = e->memory->bindings;
 		p->begun = false;
 		p->pieces = ( lwi_backoff ){ 0 };
 		p->split = false;
