@@ -125,22 +125,13 @@ double Shape::elementRadius( std::uint32_t element, const Vec& from ) const
 
 double Shape::elementSupport( std::uint32_t element, const Vec& n, double size, Vec* point ) const
 {
-	const double* at =
-	    numbers.empty() ? nullptr : &numbers[width( kind ) * std::size_t( kind == Kind::triangles ? 0 : element )];
-	const double unit = size > 0 ? 1 / size : 0, flat = std::hypot( n[0], n[1] ), around = flat > 0 ? radius / flat : 0;
-	const double up = n[2] < 0 ? -height / 2 : height / 2;
+	const double* at = numbers.empty() ? nullptr : &numbers[width( kind ) * std::size_t( element )];
+	const double unit = size > 0 ? 1 / size : 0, up = n[2] < 0 ? -height / 2 : height / 2;
+	const double flat = kind == Kind::cylinder || kind == Kind::cone ? std::hypot( n[0], n[1] ) : 0;
+	const double around = flat > 0 ? radius / flat : 0;
 	Vec best{};
 	switch ( kind )
 	{
-	case Kind::triangles:
-		best = corner( element, 0 );
-		for ( unsigned i = 1; i < 3; ++i )
-		{
-			const Vec other = corner( element, i );
-			best = dot( other, n ) > dot( best, n ) ? other : best;
-		}
-		best = best + ( radius * unit ) * n;
-		break;
 	case Kind::balls:
 		best = Vec{ at[0], at[1], at[2] } + ( at[3] * unit ) * n;
 		break;
@@ -168,55 +159,74 @@ double Shape::elementSupport( std::uint32_t element, const Vec& n, double size, 
 	return dot( best, n );
 }
 
-void Shape::divide( std::uint32_t begin, std::uint32_t end )
+/// Of triangles without their radius; `best` and `point` as they are if that is higher.
+double Shape::cornerSupport( const Range& range, const Vec& n, double best, Vec* point ) const
 {
-	if ( end - begin < 2 )
+	std::size_t found = corners.size();
+	for ( std::size_t i = 3 * std::size_t( range.begin ); i < 3 * std::size_t( range.end ); ++i )
 	{
-		return;
-	}
-	const unsigned wide = kind == Kind::triangles ? 3 : width( kind );
-	std::vector<Vec> middles( end - begin );
-	const double infinite = std::numeric_limits<double>::infinity();
-	Vec low{ infinite, infinite, infinite }, high = -1.0 * low;
-	for ( std::uint32_t i = begin; i < end; ++i )
-	{
-		Vec least, most;
-		elementBox( i, least, most );
-		middles[i - begin] = least + most;
-		for ( int k = 0; k < 3; ++k )
+		const double height_of_corner = m_x[i] * n[0] + m_y[i] * n[1] + m_z[i] * n[2];
+		if ( height_of_corner > best )
 		{
-			low[k] = std::min( low[k], middles[i - begin][k] );
-			high[k] = std::max( high[k], middles[i - begin][k] );
+			best = height_of_corner;
+			found = i;
 		}
 	}
-	const Vec extent = high - low;
-	const auto axis = std::max_element( extent.begin(), extent.end() ) - extent.begin();
-	std::vector<std::uint32_t> order( end - begin );
-	std::iota( order.begin(), order.end(), 0U );
-	const std::uint32_t half = ( end - begin ) / 2;
-	std::nth_element( order.begin(), order.begin() + half, order.end(),
-	    [&]( std::uint32_t a, std::uint32_t b )
-	    { return middles[a][axis] != middles[b][axis] ? middles[a][axis] < middles[b][axis] : a < b; } );
-	const auto reorder = [&]( auto& values )
+	if ( point != nullptr && found < corners.size() )
 	{
-		const auto first = values.begin() + wide * std::ptrdiff_t( begin );
-		const std::decay_t<decltype( values )> copy( first, first + wide * std::ptrdiff_t( order.size() ) );
-		for ( std::size_t i = 0; i < order.size(); ++i )
-		{
-			std::copy_n( copy.begin() + wide * std::ptrdiff_t( order[i] ), wide, first + wide * std::ptrdiff_t( i ) );
-		}
-	};
-	kind == Kind::triangles ? reorder( corners ) : reorder( numbers );
-	divide( begin, begin + half );
-	divide( begin + half, end );
+		*point = { m_x[found], m_y[found], m_z[found] };
+	}
+	return best;
 }
 
 void Shape::arrange()
 {
-	if ( count() > 1 )
+	std::vector<Vec> middles( count() );
+	std::vector<std::uint32_t> order( count() );
+	for ( std::uint32_t i = 0; i < count(); ++i )
 	{
-		divide( 0, count() );
+		Vec least, most;
+		elementBox( i, least, most );
+		middles[i] = least + most;
+		order[i] = i;
 	}
+	// Each range is halved along the axis on which its middles are farthest apart
+	std::vector<std::pair<std::uint32_t, std::uint32_t>> open{ { 0, count() } };
+	while ( !open.empty() )
+	{
+		const auto [begin, end] = open.back();
+		open.pop_back();
+		if ( end - begin < 2 )
+		{
+			continue;
+		}
+		Vec low = middles[order[begin]], high = low;
+		for ( std::uint32_t i = begin; i < end; ++i )
+		{
+			for ( int k = 0; k < 3; ++k )
+			{
+				low[k] = std::min( low[k], middles[order[i]][k] );
+				high[k] = std::max( high[k], middles[order[i]][k] );
+			}
+		}
+		const Vec extent = high - low;
+		const auto axis = std::max_element( extent.begin(), extent.end() ) - extent.begin();
+		const std::uint32_t middle = begin + ( end - begin ) / 2;
+		std::nth_element( order.begin() + begin, order.begin() + middle, order.begin() + end,
+		    [&]( std::uint32_t a, std::uint32_t b )
+		    { return middles[a][axis] != middles[b][axis] ? middles[a][axis] < middles[b][axis] : a < b; } );
+		open.emplace_back( begin, middle );
+		open.emplace_back( middle, end );
+	}
+	const auto reorder = [&]( auto& values, std::size_t wide )
+	{
+		const std::decay_t<decltype( values )> copy( values );
+		for ( std::size_t i = 0; i < values.size(); ++i )
+		{
+			values[i] = copy[wide * order[i / wide] + i % wide];
+		}
+	};
+	kind == Kind::triangles ? reorder( corners, 3 ) : reorder( numbers, width( kind ) );
 }
 
 void Shape::finish()
@@ -224,6 +234,13 @@ void Shape::finish()
 	if ( unbounded() )
 	{
 		return;
+	}
+	for ( std::size_t i = 0; i < corners.size(); ++i )
+	{
+		const Vec at = corner( static_cast<std::uint32_t>( i / 3 ), i % 3 );
+		m_x.push_back( at[0] );
+		m_y.push_back( at[1] );
+		m_z.push_back( at[2] );
 	}
 	// The tree of halves, in the order root, left, right
 	ranges.clear();
@@ -274,22 +291,29 @@ void Shape::finish()
 
 double Shape::support( std::size_t range, const Vec& direction, Vec* point ) const
 {
+	constexpr std::uint32_t few = 8; // triangles, of which all corners are compared
 	const double size = length( direction );
 	double best = -std::numeric_limits<double>::infinity();
-	std::size_t open[64];
+	std::pair<std::size_t, double> open[64]; // ranges and the heights of their boxes
 	int count = 0;
-	open[count++] = range;
+	open[count++] = { range, std::numeric_limits<double>::infinity() };
 	while ( count > 0 )
 	{
-		const std::size_t at = open[--count];
-		if ( heightOfBox( ranges[at], direction ) <= best )
+		const auto [place, height_of_box] = open[--count];
+		const Range& at = ranges[place];
+		if ( height_of_box <= best )
 		{
 			continue;
 		}
-		if ( ranges[at].end - ranges[at].begin == 1 )
+		if ( kind == Kind::triangles && at.end - at.begin <= few )
+		{
+			best = cornerSupport( at, direction, best, point );
+			continue;
+		}
+		if ( at.end - at.begin == 1 )
 		{
 			Vec found;
-			const double reached = elementSupport( ranges[at].begin, direction, size, &found );
+			const double reached = elementSupport( at.begin, direction, size, &found );
 			if ( reached > best )
 			{
 				best = reached;
@@ -300,10 +324,22 @@ double Shape::support( std::size_t range, const Vec& direction, Vec* point ) con
 			}
 			continue;
 		}
-		const std::size_t a = at + 1, b = right( at );
-		const bool first = heightOfBox( ranges[a], direction ) > heightOfBox( ranges[b], direction );
-		open[count++] = first ? b : a;
-		open[count++] = first ? a : b;
+		std::pair<std::size_t, double> higher( place + 1, heightOfBox( ranges[place + 1], direction ) ),
+		    lower( right( place ), heightOfBox( ranges[right( place )], direction ) );
+		if ( lower.second > higher.second )
+		{
+			std::swap( lower, higher );
+		}
+		open[count++] = lower;
+		open[count++] = higher; // is opened first
+	}
+	if ( kind == Kind::triangles )
+	{
+		best += radius * size;
+		if ( point != nullptr && size > 0 )
+		{
+			*point = *point + ( radius / size ) * direction;
+		}
 	}
 	return best;
 }

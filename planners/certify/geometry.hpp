@@ -100,8 +100,10 @@ private:
 	double elementSupport( std::uint32_t element, const Vec& direction, double size, Vec* point ) const;
 	void elementBox( std::uint32_t element, Vec& least, Vec& most ) const;
 	double elementRadius( std::uint32_t element, const Vec& from ) const;
+	double cornerSupport( const Range& range, const Vec& direction, double best, Vec* point ) const;
 	Vec corner( std::uint32_t element, unsigned i ) const;
-	void divide( std::uint32_t begin, std::uint32_t end );
+
+	std::vector<double> m_x, m_y, m_z; ///< of all corners, once finished
 };
 
 } // namespace leeway::certify

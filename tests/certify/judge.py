@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Samples the claim of a certificate: is a pair nearer than it says, at any of many times and deviations? Kinematics by 4 x 4 matrices;
 distances by leeway's Python package, which shares no code with the checkers."""
-import math
-
 import numpy
 
 import leeway
 
 TIMES, DEVIATIONS, ROUNDING = 60, 4, 1e-9
+TOUCH = 1e-12  # metres: what overlaps is 0 apart, and no claim of a distance above 0 allows that
 TRIANGLES, BALLS, BOXES, CYLINDER, CAPSULE, CONE, HALFSPACE, PLANE = range(1, 9)
 
 
@@ -20,26 +19,28 @@ def matrix_of(pose):
     return out
 
 
-def joint_matrix(link, value):
-    out = numpy.eye(4)
+def joint_matrices(link, values):
+    """[values] matrices."""
+    out = numpy.tile(numpy.eye(4), (len(values), 1, 1))
     if link["type"] == 0:
         return out
     x, y, z = axis = numpy.array(link["axis"]) / numpy.linalg.norm(link["axis"])
     if link["type"] == 2:
-        out[:3, 3] = value * axis
+        out[:, :3, 3] = numpy.outer(values, axis)
         return out
-    skew = numpy.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    out[:3, :3] += numpy.sin(value) * skew + (1 - numpy.cos(value)) * skew @ skew
+    skew, values = numpy.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]), values[:, None, None]
+    out[:, :3, :3] += numpy.sin(values) * skew + (1 - numpy.cos(values)) * (skew @ skew)
     return out
 
 
-def poses_of(content, q):
+def poses_of(content, states):
+    """[links][states] world from link."""
     poses = []
     for number, link in enumerate(content["links"]):
-        value = 0
+        values = numpy.zeros(len(states))
         if link["type"]:
-            value = link["offset"] + (link["multiplier"] * q[link["variable"]] if link["variable"] is not None else 0)
-        local = matrix_of(link["origin"]) @ joint_matrix(link, value)
+            values = link["offset"] + (link["multiplier"] * states[:, link["variable"]] if link["variable"] is not None else values)
+        local = matrix_of(link["origin"]) @ joint_matrices(link, values)
         poses.append(poses[link["parent"]] @ local if number else local)
     return poses
 
@@ -90,53 +91,57 @@ def pairs_of(content):
 
 
 def bezier(points, t):
-    points = [numpy.array(p) for p in points]
+    """[times][variables] on a curve."""
+    points = [numpy.array(p)[None, :] for p in points]
     while len(points) > 1:
         points = [(1 - t) * a + t * b for a, b in zip(points, points[1:])]
     return points[0]
 
 
-def states(content, rng):
-    last = content["start"]
+def states_of(content, rng):
+    """[states][variables]: times of all pieces, and at each some deviations, most of them at a corner of what is tolerated."""
+    last, found = content["start"], []
     tolerance = numpy.array([v["tolerance"] for v in content["variables"]])
+    random = numpy.random.default_rng(rng.randrange(1 << 30))
     for piece in content["pieces"]:
-        points = [last, *piece]
+        q = bezier([last, *piece], numpy.linspace(0, 1, TIMES)[:, None])
         last = piece[-1]
-        for i in range(TIMES):
-            q = bezier(points, i / (TIMES - 1))
-            yield q
-            for _ in range(DEVIATIONS if tolerance.any() else 0):
-                yield q + tolerance * numpy.array([rng.choice([-1, 1, rng.uniform(-1, 1)]) for _ in tolerance])
+        found.append(q)
+        for _ in range(DEVIATIONS if tolerance.any() else 0):
+            off = random.uniform(-1, 1, q.shape)
+            found.append(q + tolerance * numpy.where(random.random(q.shape) < 0.7, numpy.sign(off), off))
+    return numpy.concatenate(found)
 
 
 class Side:
     """A body or an obstacle: its shape, and a sphere around it."""
 
-    def __init__(self, shape, pose):
+    def __init__(self, shape, placed):
         self.shape, self.less = shape
-        self.pose = matrix_of(pose)
+        self.owner, self.pose = placed["owner"], matrix_of(placed["pose"])
         low, high = numpy.clip(self.shape.bounds, -1e9, 1e9)
         self.middle, self.radius = numpy.append((low + high) / 2, 1), float(numpy.linalg.norm(high - low) / 2) + self.less
 
-    def at(self, world):
-        pose = world @ self.pose
-        return pose, (pose @ self.middle).tolist()
+    def at(self, poses):
+        """[states] poses and middles."""
+        world = (poses[self.owner] if poses else numpy.eye(4)[None]) @ self.pose
+        return world, world @ self.middle
 
 
 def contradiction(content, rng):
     """A sentence about a pair that is nearer than the certificate claims; None if the samples know none."""
     shapes = [shape_of(s) for s in content["shapes"]]
-    sides = {id(p): Side(shapes[p["shape"]], p["pose"]) for p in content["bodies"] + content["obstacles"]}
-    resting = {id(p): sides[id(p)].at(numpy.eye(4)) for p in content["obstacles"]}
-    pairs = [(a, b, sides[id(a)], sides[id(b)], margin) for a, b, _, margin in pairs_of(content)]
-    for q in states(content, rng):
-        poses = poses_of(content, q)
-        places = {**resting, **{id(p): sides[id(p)].at(poses[p["owner"]]) for p in content["bodies"]}}
-        for a, b, side_a, side_b, margin in pairs:
-            (world_a, middle_a), (world_b, middle_b), need = places[id(a)], places[id(b)], content["min_d"] + margin - ROUNDING
-            if math.dist(middle_a, middle_b) - side_a.radius - side_b.radius >= need:
-                continue
-            found = leeway.distance(side_a.shape, world_a, side_b.shape, world_b)
+    states = states_of(content, rng)
+    poses = poses_of(content, states)
+    places = {}
+    for placed, moves in [(p, True) for p in content["bodies"]] + [(p, False) for p in content["obstacles"]]:
+        side = Side(shapes[placed["shape"]], placed)
+        places[id(placed)] = (side, *side.at(poses if moves else None))
+    for a, b, _, margin in pairs_of(content):
+        (side_a, world_a, middle_a), (side_b, world_b, middle_b), need = places[id(a)], places[id(b)], max(TOUCH, content["min_d"] + margin - ROUNDING)
+        gaps = numpy.linalg.norm(middle_a - middle_b, axis=1) - side_a.radius - side_b.radius
+        for i in numpy.flatnonzero(gaps < need):
+            found = leeway.distance(side_a.shape, world_a[i], side_b.shape, world_b[i if len(world_b) > 1 else 0])
             if found.upper - side_a.less - side_b.less < need:
-                return f"body of link {a['owner']} and that of {b['owner']} are {found.upper:.9g} apart at {q.tolist()}"
+                return f"body of link {a['owner']} and that of {b['owner']} are {found.upper:.9g} apart at {states[i].tolist()}"
     return None
