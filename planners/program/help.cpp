@@ -44,6 +44,7 @@ Examples:
   leeway edge --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --edges edges.csv
   leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --out path.yaml
   leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml
+  leeway referee --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --item path.npy --item regions.json
   leeway tune --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --error 5
   leeway world audit --world cell.yaml
   leeway view --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml --out page.html)";
@@ -212,6 +213,30 @@ FILE: trajectory_msgs/JointTrajectory, a FollowJointTrajectory goal, moveit_msgs
 in a row) as YAML or JSON, or CSV with columns time, <joint>, and perhaps velocity:<joint> and acceleration:<joint>. --group
 defaults to the group with just its joints. --steps has several, and changes of the world: a list steps of trajectory: FILE; attach: OBJECT,
 link: LINK, touch_links: [LINK, ...]; release: OBJECT; allow: [LINK, OBJECT]; forbid: [LINK, OBJECT]. --profile: time,environment,self, exact, every 10 ms.)" };
+
+const HelpText referee_help = {
+    R"(Judges results of other planners: paths, trajectories, and regions of joint space that are called free.
+
+Example: leeway referee --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --item path.npy --item regions.json
+
+Exit status 0: all pass by --policy; 1: one fails; 2: error.)",
+    R"(Each item gets a verdict: FREE: all of it is proved; BLOCKED: a colliding state, how deep the bodies are in each other at the worst state
+found, and its pair; UNDECIDED: neither. The ruling says what it assumed. --policy proved: FREE, within joint limits and without gaps passes.
+--policy collision: all but BLOCKED pass.
+
+Motions are proved at all times, with --tolerance for all deviations within it. Of a region, --search seconds go to a colliding
+state: random states, and descents of the clearance within the region. If there is none, --prove seconds go to proofs of boxes; the share is that of
+random states in proved boxes.
+
+FILE, by its ending and its keys:
+  .npy           float64 or float32 [points][joints] or [paths][points][joints]; a path, straight between its points
+  .txt           a line of numbers for each point, such as OMPL's PathGeometric::printAsMatrix writes
+  .csv           a column for each joint; with a column time, a trajectory
+  .yaml, .json   paths of leeway plan; trajectories of MoveIt and ROS, as for leeway audit
+                 {A: rows, b: numbers}: the region A q <= b; several by name, or as the list regions; with joint_names
+                 {joint_names: names, bspline: {order, knots, control_points}}, or bezier: {start, end, control_points},
+                 piecewise_polynomial: {breaks, coefficients: a row of powers for each joint of each piece}, composite: list of these
+Without joint_names the columns are the group's variables in their order.)" };
 
 const HelpText tune_help = {
     R"(Measures speed against accuracy on this robot in this scene, and proposes settings that meet a target.

@@ -36,6 +36,7 @@ struct Commands
 	EdgeCommandOptions edge;
 	PlanOptions plan;
 	AuditOptions audit;
+	RefereeOptions referee;
 	TuneOptions tune;
 	WorldOptions world;
 	ViewOptions view;
@@ -267,11 +268,6 @@ void validate( const AuditOptions& options )
 	{
 		wrong( "--corridor", "is about one timed trajectory", "give it by --trajectory" );
 	}
-	const std::vector<std::string> known = { "auto", "linear", "cubic", "quintic" };
-	if ( std::find( known.begin(), known.end(), options.interpolation ) == known.end() )
-	{
-		wrong( "--interpolation", "is unknown", "give auto, linear, cubic or quintic" );
-	}
 }
 
 CLI::App* addAudit( CLI::App& app, AuditOptions& options )
@@ -292,10 +288,7 @@ CLI::App* addAudit( CLI::App& app, AuditOptions& options )
 	    ->add_option( "--corner-blend", options.corner_blend,
 	        "of a path: prove it with every rounding of its corners by up to R (MoveIt's TOTG: 0.1)" )
 	    ->type_name( "R" );
-	rare( command->add_option( "--interpolation", options.interpolation, "between points of a trajectory (default auto)" )
-	          ->type_name( "auto|linear|cubic|quintic" ) );
-	rare( command->add_option( "--joint-limits", options.joint_limits, "of a trajectory: velocities and accelerations" )
-	          ->type_name( "joint_limits.yaml" ) );
+	addTrajectoryOptions( *command, options.interpolation, options.joint_limits );
 	rare( command
 	          ->add_option( "--resolution", options.resolution,
 	              "of a path, metres between measured states near contact (default 0.0001)" )
@@ -309,6 +302,34 @@ CLI::App* addAudit( CLI::App& app, AuditOptions& options )
 	              "of a trajectory: itself as a goal, with the largest tolerances that are proved" )
 	          ->type_name( "goal.json" ) );
 	addCertificateOption( *command, options.certificate );
+	addViewOption( *command, options.view );
+	return command;
+}
+
+CLI::App* addReferee( CLI::App& app, RefereeOptions& options )
+{
+	CLI::App* command = app.add_subcommand( "referee", "judge paths, trajectories and regions of other planners" );
+	addHelp( *command, referee_help.summary, referee_help.details );
+	addCommonOptions( *command, options.common,
+	    { true, false, true, true, false, "planning group of the SRDF (default: the items', else all joints)" } );
+	command->add_option( "--item", options.items, "a path, trajectory, or regions; again for more" )
+	    ->type_name( "FILE" )
+	    ->allow_extra_args( false )
+	    ->required();
+	command->add_option( "--policy", options.policy, "proved: only FREE passes; collision: all but BLOCKED (default proved)" )
+	    ->check( CLI::IsMember( { "proved", "collision" } ).description( "" ) )
+	    ->type_name( "proved|collision" );
+	command->add_option( "--tolerance", options.tolerance, "radians or metres off a motion, of all joints or JOINT=E" )
+	    ->type_name( "E" )
+	    ->allow_extra_args( false );
+	addTrajectoryOptions( *command, options.interpolation, options.joint_limits );
+	rare( command->add_option( "--search", options.search, "seconds for a colliding state of a region (default 1)" )
+	          ->type_name( "S" ) );
+	rare( command->add_option( "--prove", options.proof, "seconds for proofs of a region without one (default 1)" )
+	          ->type_name( "S" ) );
+	rare( command->add_option( "--seed", options.seed, "seed of the random states (default 1)" )->type_name( "N" ) );
+	command->add_option( "--json", options.json, "the rulings as JSON" )->type_name( "FILE" );
+	command->add_option( "--junit", options.junit, "the rulings as JUnit's XML" )->type_name( "FILE.xml" );
 	addViewOption( *command, options.view );
 	return command;
 }
@@ -506,7 +527,7 @@ int dispatch( const CLI::App& app, Commands& commands )
 	std::vector<std::string> given;
 	for ( const CommonOptions* common : { &commands.info.common, &commands.pairs.common, &commands.spherize.common,
 	          &commands.check.common, &commands.edge.common, &commands.plan.common, &commands.audit.common,
-	          &commands.tune.common, &commands.world.common, &commands.view.common } )
+	          &commands.referee.common, &commands.tune.common, &commands.world.common, &commands.view.common } )
 	{
 		given.insert( given.end(), common->input_limits.begin(), common->input_limits.end() ); // of one: the chosen
 	}
@@ -554,6 +575,13 @@ int dispatch( const CLI::App& app, Commands& commands )
 		validate( *chosen, commands.plan.edge, commands.plan.common );
 		validate( *chosen, commands.plan );
 		return runPlan( commands.plan );
+	}
+	if ( name == "referee" )
+	{
+		validate( *chosen, commands.referee.common );
+		requireNotNegative( "--search", commands.referee.search );
+		requireNotNegative( "--prove", commands.referee.proof );
+		return runReferee( commands.referee );
 	}
 	if ( name == "tune" )
 	{
@@ -731,6 +759,7 @@ int main( int given_count, char** given )
 	addEdge( app, commands.edge );
 	addPlan( app, commands.plan );
 	addAudit( app, commands.audit );
+	addReferee( app, commands.referee );
 	addTune( app, commands.tune );
 	addWorld( app, commands.world );
 	addView( app, commands.view );

@@ -241,6 +241,14 @@ void addCertificateOption( CLI::App& app, std::string& file )
 	          ->type_name( "out.lwc" ) );
 }
 
+void addTrajectoryOptions( CLI::App& app, std::string& interpolation, std::string& joint_limits )
+{
+	rare( app.add_option( "--interpolation", interpolation, "between points of a trajectory (default auto)" )
+	          ->type_name( "auto|linear|cubic|quintic" ) );
+	rare( app.add_option( "--joint-limits", joint_limits, "of a trajectory: velocities and accelerations" )
+	          ->type_name( "joint_limits.yaml" ) );
+}
+
 void addPictureOptions( CLI::App& app, PictureOptions& options )
 {
 	const std::string picture = "Picture";

@@ -150,6 +150,17 @@ struct AuditOptions
 	double time = 60; ///< seconds
 };
 
+struct RefereeOptions
+{
+	CommonOptions common;
+	std::vector<std::string> items; ///< files
+	std::string joint_limits, interpolation = "auto", policy = "proved";
+	std::vector<std::string> tolerance; ///< VALUE or JOINT=VALUE
+	double search = 1, proof = 1;       ///< seconds for a region
+	std::uint32_t seed = 1;
+	std::string json, junit, view;
+};
+
 struct WorldOptions
 {
 	CommonOptions common;
@@ -209,6 +220,9 @@ void addCertificateOption( CLI::App& app, std::string& file );
 void addViewOption( CLI::App& app, std::string& file );
 void addPictureOptions( CLI::App& app, PictureOptions& options );
 
+/// --interpolation and --joint-limits of trajectories.
+void addTrajectoryOptions( CLI::App& app, std::string& interpolation, std::string& joint_limits );
+
 /// After parsing: fills the *_given flags, rejects values out of their domain, applies --simd.
 /// @throws io::Error
 void validate( const CLI::App& app, CommonOptions& options );
@@ -238,6 +252,7 @@ int runEdge( const EdgeCommandOptions& options );
 int runPlan( const PlanOptions& options );
 int runAudit( const AuditOptions& options );
 int runTrajectoryAudit( const AuditOptions& options );
+int runReferee( const RefereeOptions& options );
 int runTune( const TuneOptions& options );
 int runWorld( const WorldOptions& options );
 int runView( const ViewOptions& options );

@@ -459,4 +459,16 @@ std::vector<Tolerance> givenTolerances( const std::vector<std::string>& options 
 	return tolerances;
 }
 
+Interpolation interpolationOf( const std::string& name )
+{
+	const std::map<std::string, Interpolation> known = { { "auto", Interpolation::automatic },
+		{ "linear", Interpolation::linear }, { "cubic", Interpolation::cubic }, { "quintic", Interpolation::quintic } };
+	const auto found = known.find( name );
+	if ( found == known.end() )
+	{
+		throw io::Error( "command line", "--interpolation", "is unknown", "give auto, linear, cubic or quintic" );
+	}
+	return found->second;
+}
+
 } // namespace leeway::cli

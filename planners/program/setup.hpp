@@ -136,4 +136,7 @@ Audit audited( const Workbench& bench, const std::vector<std::vector<double>>& p
 /// Options --tolerance: E for all joints, or JOINT=E. @throws io::Error
 std::vector<Tolerance> givenTolerances( const std::vector<std::string>& options );
 
+/// Option --interpolation. @throws io::Error
+Interpolation interpolationOf( const std::string& name );
+
 } // namespace leeway::cli

@@ -19,14 +19,6 @@ namespace leeway::cli
 namespace
 {
 
-Interpolation interpolationOf( const std::string& name )
-{
-	return name == "linear"    ? Interpolation::linear
-	       : name == "cubic"   ? Interpolation::cubic
-	       : name == "quintic" ? Interpolation::quintic
-	                           : Interpolation::automatic;
-}
-
 /// A step, with its trajectories.
 struct Act
 {
@@ -279,6 +271,7 @@ int runTrajectoryAudit( const AuditOptions& options )
 	Notices notices( options.common.verbose );
 	const std::vector<Act> acts = readActs( options );
 	TrajectorySettings settings;
+	settings.interpolation = interpolationOf( options.interpolation );
 	if ( !options.joint_limits.empty() )
 	{
 		settings.limits = readJointLimits( options.joint_limits );
@@ -293,7 +286,6 @@ int runTrajectoryAudit( const AuditOptions& options )
 	notices.add( "joint limits of the file", settings.limits.notices );
 	settings.edge.min_d = options.common.min_d;
 	settings.edge.flags = options.common.checkFlags();
-	settings.interpolation = interpolationOf( options.interpolation );
 	const std::vector<TrajectoryFile> files = filesOf( acts );
 	const std::string group = groupOf( files.front(), options.common.group, input.robot );
 	std::vector<io::Notice> unused;

@@ -33,11 +33,12 @@ sys.setrecursionlimit(10000)
 class Checkers:
     """Verdicts: (0, 1 or 2, what it printed)."""
 
-    def __init__(self, c, python, folder):
+    def __init__(self, c, python, folder, server=None):
         spec = importlib.util.spec_from_file_location("check_certificate", python)
         self.python = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(self.python)
         self.c, self.file, self.told = str(c), str(folder / "c.lwc"), str(folder / "c.txt")
+        self.server = server and subprocess.Popen([server], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1)
 
     def content(self, data):
         return self.python.Reader(data).content()
@@ -66,7 +67,12 @@ class Checkers:
         return reader.at
 
     def accepts(self, data):
-        return self.by_c(data)[0] == 0
+        if not self.server:
+            return self.by_c(data)[0] == 0
+        with open(self.file, "wb") as file:
+            file.write(data)
+        print(self.file, file=self.server.stdin, flush=True)
+        return int(self.server.stdout.readline()) == 0
 
 
 # ---- honest certificates
@@ -150,6 +156,7 @@ def main():
     options.add_argument("--leeway", required=True)
     options.add_argument("--checker", required=True)
     options.add_argument("--python-checker", default=SOURCE)
+    options.add_argument("--server", help="check_server.c, built of the same checker: the search for bold claims asks it")
     options.add_argument("--worlds", type=int, default=20)
     options.add_argument("--mutations", type=int, default=1000)
     options.add_argument("--seed", type=int, default=1)
@@ -161,7 +168,7 @@ def main():
     rng, made, wrong, begin = random.Random(given.seed), [], [], time.monotonic()
     tally, done = collections.Counter(), 0
     with tempfile.TemporaryDirectory() as root:
-        checkers = Checkers(pathlib.Path(given.checker).resolve(), given.python_checker, pathlib.Path(root))
+        checkers = Checkers(pathlib.Path(given.checker).resolve(), given.python_checker, pathlib.Path(root), given.server)
         for i in range(given.worlds):
             folder = pathlib.Path(root) / str(i)
             folder.mkdir()
@@ -182,7 +189,7 @@ def main():
             problem = attack.problem(data, fits, c, checkers.by_python(data) if rng.random() < given.python_share else None)
             tally[kind, ["accepted", "rejected", "damaged"][c[0]] if c[0] in (0, 1, 2) else "crashed"] += 1
             wrong += [f"mutation {done}, {kind}: {problem}"] if problem else []
-            if done % 5000 == 0:
+            if done % 1000 == 0:
                 print(f"{done} in {time.monotonic() - begin:.0f} s: {dict(tally)}; {len(wrong)} wrong", file=sys.stderr, flush=True)
     counts = ", ".join(f"{n} {kind} and {verdict}" for (kind, verdict), n in sorted(tally.items()))
     print(f"seed {given.seed}: {len(made)} honest certificates; {done} mutations: {counts}; {len(wrong)} wrong")
