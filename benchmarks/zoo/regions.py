@@ -114,9 +114,9 @@ def judge(given):
         with open(answers, encoding="utf-8") as text:
             colliding = sum(row["verdict"] == "BLOCKED" for row in csv.DictReader(text))
         rows.append((colliding, ruling["verdict"]))
-        depth = 1e3 * ruling["worst"]["depth"] if "worst" in ruling else 0
+        depth = [1e3 * d for d in ruling["worst"]["depth"]] if "worst" in ruling else [0, 0]
         print(f"{file.stem}: {colliding} of {given.samples} states collide; referee {ruling['verdict']} after {ruling['seconds']:.3f} s, "
-            f"{ruling['region']['states']} states, {depth:.2f} mm deep, proved {100 * ruling['region']['proved_share']:.1f} %", flush=True)
+            f"{ruling['region']['states']} states, {depth[0]:.2f} to {depth[1]:.2f} mm deep, proved {100 * ruling['region']['proved_share']:.1f} %", flush=True)
     sampled = [verdict for colliding, verdict in rows if colliding > 0]
     print(f"{len(rows)} regions; random states find a collision in {len(sampled)}, the referee in {sampled.count('BLOCKED')} of these and in "
         f"{sum(v == 'BLOCKED' for _, v in rows)} of all")

@@ -113,7 +113,7 @@ std::vector<PageInput> pagesOf(
 	    []( const Judged* a, const Judged* b )
 	    {
 		    const bool first = a->ruling.verdict == LW_VERDICT_BLOCKED, second = b->ruling.verdict == LW_VERDICT_BLOCKED;
-		    return first != second ? first : a->ruling.depth > b->ruling.depth;
+		    return first != second ? first : b->ruling.depth < a->ruling.depth;
 	    } );
 	std::vector<const Workbench*> benches;
 	for ( const Judged* judged : shown )

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "referee/judge.hpp"
 
-#include "leeway/depth.h"
 #include "leeway/handles.hpp"
-#include "leeway/near.h"
 #include "referee/columns.hpp"
 
 #include <fmt/format.h>
@@ -219,26 +217,17 @@ private:
 	{
 		const auto begin = std::chrono::steady_clock::now();
 		const Query query = makeQuery( m_problem.checker.get() );
-		lw_near_def def = lw_near_def_default();
-		def.flags = m_settings.region.flags;
-		def.distance = 1e-6;
-		def.depth_steps = lw_depth_def_default().steps;
-		double least = std::numeric_limits<double>::infinity();
 		const auto look = [&]( const Segment& segment, double t )
 		{
 			const std::vector<double> q = valueAt( segment, m_ruling.q.size(), t );
-			lw_near_pair pair;
-			std::uint32_t count = 0;
-			require( lw_checker_near( m_problem.checker.get(), query.get(), q.data(), &def, &pair, 1, &count ), "depth" );
-			if ( count > 0 && pair.clearance.upper < least )
+			const std::optional<Contact> contact = deepestContact( m_problem, query.get(), q, m_settings.region.flags );
+			if ( contact && m_ruling.depth < contact->depth )
 			{
-				least = pair.clearance.upper;
 				m_ruling.worst = q;
 				m_ruling.worst_place = placeOf( segment.begin + t * segment.seconds );
-				m_ruling.depth = std::max( 0.0, -pair.clearance.upper );
-				m_ruling.pair = pair.self ? motions::nameSelf( m_problem.checker.get(), pair.clearance )
-				                          : motions::nameEnvironment( m_problem.checker.get(), pair.clearance );
-				m_ruling.self = pair.self;
+				m_ruling.depth = contact->depth;
+				m_ruling.pair = contact->pair;
+				m_ruling.self = contact->self;
 			}
 		};
 		m_ruling.worst = m_ruling.q;
@@ -260,19 +249,6 @@ private:
 	Ruling m_ruling;
 };
 
-double depthAt( const io::Problem& problem, const std::vector<double>& q, lw_check_flags flags )
-{
-	const Query query = makeQuery( problem.checker.get() );
-	lw_near_def def = lw_near_def_default();
-	def.flags = flags;
-	def.distance = 1e-6;
-	def.depth_steps = lw_depth_def_default().steps;
-	lw_near_pair pair;
-	std::uint32_t count = 0;
-	require( lw_checker_near( problem.checker.get(), query.get(), q.data(), &def, &pair, 1, &count ), "depth" );
-	return count > 0 ? std::max( 0.0, -pair.clearance.upper ) : 0;
-}
-
 Ruling judgeOfRegion( const io::Problem& problem, const Item& item, const JudgeSettings& settings )
 {
 	Ruling ruling;
@@ -286,11 +262,12 @@ Ruling judgeOfRegion( const io::Problem& problem, const Item& item, const JudgeS
 	}
 	if ( ruling.verdict == LW_VERDICT_BLOCKED )
 	{
-		ruling.q = ruling.worst = ruling.region.q;
+		ruling.q = ruling.region.q;
+		ruling.worst = ruling.region.worst;
 		ruling.pair = ruling.region.pair;
 		ruling.self = ruling.region.self;
 		ruling.place = ruling.worst_place = "a state of the region";
-		ruling.depth = depthAt( problem, ruling.q, settings.region.flags );
+		ruling.depth = ruling.region.depth;
 	}
 	return ruling;
 }
@@ -305,6 +282,17 @@ std::string stateText( const std::vector<std::string>& names, const std::vector<
 	return text;
 }
 
+std::string depthText( const Ruling& ruling )
+{
+	const Depth& depth = ruling.depth;
+	if ( depth.most - depth.least < 1e-5 && depth.least > 0 )
+	{
+		return fmt::format( "{:.2f} mm deep", 1e3 * depth.least );
+	}
+	return depth.most <= 0 ? "touching, without a depth"
+	                       : fmt::format( "{:.2f} to {:.2f} mm deep", 1e3 * depth.least, 1e3 * depth.most );
+}
+
 /// The reason in a few words.
 std::string headline( const Ruling& ruling )
 {
@@ -312,8 +300,9 @@ std::string headline( const Ruling& ruling )
 	switch ( ruling.verdict )
 	{
 	case LW_VERDICT_BLOCKED:
-		return fmt::format( "collides: {}, first at {}; {} at {}", pair, ruling.place,
-		    ruling.depth > 0 ? fmt::format( "{:.2f} mm deep", 1e3 * ruling.depth ) : "touching", ruling.worst_place );
+		return ruling.kind == "region" ? fmt::format( "a state of it collides: {}, {}", pair, depthText( ruling ) )
+		                               : fmt::format( "collides from {} on: {}, {} at {}", ruling.place, pair, depthText( ruling ),
+		                                     ruling.worst_place );
 	case LW_VERDICT_FREE:
 		return ruling.kind == "region" ? fmt::format( "all of it is proved, in {} boxes", ruling.region.boxes )
 		                               : fmt::format( "proved, clearance at least {:.6f} m", ruling.lower_bound );
@@ -404,7 +393,7 @@ motions::Json toJson( const Ruling& ruling, Policy policy )
 	}
 	if ( ruling.verdict == LW_VERDICT_BLOCKED )
 	{
-		json["worst"] = { { "place", ruling.worst_place }, { "state", ruling.worst }, { "depth", motions::jsonNumber( ruling.depth ) } };
+		json["worst"] = { { "place", ruling.worst_place }, { "state", ruling.worst }, { "depth", { ruling.depth.least, ruling.depth.most } } };
 	}
 	if ( ruling.kind == "region" )
 	{

@@ -38,7 +38,7 @@ struct Ruling
 	std::vector<double> q;             ///< of it
 	bool self = false;
 	motions::Named pair;
-	double depth = 0;          ///< BLOCKED: metres that two bodies are in each other at `worst`; 0: they touch, or surfaces have no inside
+	Depth depth;               ///< BLOCKED: of two bodies at `worst`
 	std::vector<double> worst; ///< BLOCKED: the deepest state found
 	std::string worst_place;
 	double lower_bound = 0;        ///< FREE motions: metres, proved

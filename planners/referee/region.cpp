@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "referee/region.hpp"
 
-#include "leeway/handles.hpp"
 #include "leeway/near.h"
 #include "referee/columns.hpp"
 #include "referee/polyhedron.hpp"
@@ -20,6 +19,8 @@ namespace
 
 constexpr std::size_t measure_states = 2000; // random states that stand for the region's volume
 constexpr int longest_descent = 30;          // steps
+constexpr int deepening_steps = 40;
+constexpr double deepening = 0.003;          // metres in a step
 constexpr double at_ends = 0.3;              // of random states: at the ends of their line, where IRIS regions collide most
 
 double secondsSince( std::chrono::steady_clock::time_point begin )
@@ -91,6 +92,10 @@ public:
 			    "remove the region, or correct the order of its columns" );
 		}
 		m_verdict.verdict = search( *inside ) ? LW_VERDICT_BLOCKED : prove();
+		if ( m_verdict.verdict == LW_VERDICT_BLOCKED )
+		{
+			deepen();
+		}
 		m_verdict.seconds = secondsSince( m_begin );
 		return m_verdict;
 	}
@@ -154,10 +159,31 @@ private:
 		{
 			return false;
 		}
-		m_verdict.q = q;
+		m_verdict.q = m_verdict.worst = q;
 		m_verdict.self = self;
 		m_verdict.pair = self ? motions::nameSelf( m_problem.checker.get(), pair )
 		                      : motions::nameEnvironment( m_problem.checker.get(), pair );
+		return true;
+	}
+
+	/// Moves a state against a slope, within the region, until `metres` are lost along the tangent; by 0.3 rad at the most.
+	/// @return false: the region lets it lose none
+	bool move( State& q, const State& slope, double metres ) const
+	{
+		State down = slope;
+		std::transform( down.begin(), down.end(), down.begin(), []( double value ) { return -value; } );
+		m_polyhedron.alongFaces( q, down );
+		const double gain = -std::inner_product( slope.begin(), slope.end(), down.begin(), 0.0 );
+		if ( gain < 1e-6 )
+		{
+			return false;
+		}
+		const double size = std::sqrt( std::inner_product( down.begin(), down.end(), down.begin(), 0.0 ) );
+		const double by = std::min( { metres / gain, 0.3 / size, ( 1 - 1e-9 ) * m_polyhedron.reach( q, down ) } );
+		for ( std::size_t i = 0; i < q.size(); ++i )
+		{
+			q[i] += by * down[i];
+		}
 		return true;
 	}
 
@@ -178,28 +204,37 @@ private:
 			worse = pair.upper < least - 1e-4 ? 0 : worse + 1;
 			least = std::min( least, pair.upper );
 			const State slope = derivative( q, pair, self );
-			State down = slope;
-			std::transform( down.begin(), down.end(), down.begin(), []( double value ) { return -value; } );
-			m_polyhedron.alongFaces( q, down );
-			double gain = 0;
-			for ( std::size_t i = 0; i < slope.size(); ++i )
-			{
-				gain -= slope[i] * down[i];
-			}
-			if ( slope.empty() || gain < 1e-6 )
+			// The clearance seen along the tangent ends a little beyond contact
+			if ( slope.empty() || !move( q, slope, 1.1 * ( pair.upper - m_settings.min_d ) + 1e-4 ) )
 			{
 				return false;
 			}
-			// The clearance seen along the tangent ends a little beyond contact; a turn brings at most 0.3 rad of change
-			const double size = std::sqrt( std::inner_product( down.begin(), down.end(), down.begin(), 0.0 ) );
-			const double wanted = std::min( ( 1.1 * ( pair.upper - m_settings.min_d ) + 1e-4 ) / gain, 0.3 / size );
-			const double by = std::min( wanted, ( 1 - 1e-9 ) * m_polyhedron.reach( q, down ) );
-			for ( std::size_t i = 0; i < q.size(); ++i )
-			{
-				q[i] += by * down[i];
-			}
 		}
 		return false;
+	}
+
+	/// From the colliding state along the way in which the bodies come deeper into each other.
+	void deepen()
+	{
+		State q = m_verdict.q;
+		for ( int step = 0; step < deepening_steps; ++step )
+		{
+			std::optional<Contact> contact = deepestContact( m_problem, m_query.get(), q, m_settings.flags );
+			++m_verdict.states;
+			if ( !contact || ( step > 0 && !( m_verdict.depth < contact->depth ) ) )
+			{
+				return;
+			}
+			m_verdict.worst = q;
+			m_verdict.depth = contact->depth;
+			m_verdict.pair = contact->pair;
+			m_verdict.self = contact->self;
+			const State& slope = contact->slope;
+			if ( !move( q, slope, deepening ) )
+			{
+				return;
+			}
+		}
 	}
 
 	bool search( const State& inside )

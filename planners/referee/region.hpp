@@ -2,7 +2,7 @@
 // Convex regions of joint space that others call free of collisions, such as Drake's IRIS regions: a colliding state in one, or its proved part.
 #pragma once
 
-#include "leeway/motions/states.hpp"
+#include "referee/contact.hpp"
 
 #include <cstdint>
 #include <string>
@@ -34,6 +34,8 @@ struct RegionVerdict
 	/// BLOCKED: q is in the region and collides. FREE: all of the region within the joint limits is proved. UNDECIDED: neither.
 	lw_verdict verdict = LW_VERDICT_UNKNOWN;
 	std::vector<double> q;    ///< BLOCKED: group state
+	std::vector<double> worst; ///< BLOCKED: the deepest state found from there on
+	Depth depth;               ///< of it
 	motions::Named pair;      ///< of it
 	bool self = false;        ///< of the pair
 	double proved = 0;        ///< share of random states of the region that are in proved boxes

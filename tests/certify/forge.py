@@ -118,7 +118,9 @@ def forged(rng, accepts, steps=18):
     bounded = range(judge.TRIANGLES, judge.CONE + 1)
     shapes = [some_shape(rng, bounded), some_shape(rng, [*bounded, *[judge.BOXES, judge.HALFSPACE] * 4, judge.PLANE] if with_object else bounded)]
     toward, by_spheres = unit(rng), rng.random() < 0.35
-    if by_spheres and rng.random() < 0.7:  # nothing is lost around a ball
+    if by_spheres and rng.random() < 0.3:
+        shapes = [some_shape(rng, [judge.BALLS]) if shape["kind"] <= judge.CONE else shape for shape in shapes]
+    elif by_spheres and rng.random() < 0.7:  # nothing is lost around a ball
         ball = {"kind": judge.BALLS, "numbers": [0.0, 0.0, 0.0, 0.02], "corners": [], "solid": False}
         shapes = [{**shape, **ball} if shape["kind"] <= judge.CONE else shape for shape in shapes]
     if with_object and shapes[1]["kind"] == judge.BOXES and rng.random() < 0.8:  # a wall
