@@ -28,7 +28,7 @@ def some_shape(rng, kinds):
     shape = {"source": "", "kind": kind, "solid": False, "radius": 0.0, "height": 0.0, "numbers": [], "corners": []}
     size = 10 ** rng.uniform(-2, -0.3)
     if kind == judge.TRIANGLES:
-        n, shape["solid"] = rng.randint(1, 5), rng.random() < 0.2
+        n, shape["solid"] = rng.choice([1, 2, 5, 12]), rng.random() < 0.2
         shape["numbers"] = [rng.uniform(-size, size) for _ in range(3 * (n + 2))]
         shape["corners"] = [i for k in range(n) for i in (k, k + 1, k + 2)]
         shape["radius"] = rng.choice([0.0, 0.3 * size])
@@ -36,9 +36,9 @@ def some_shape(rng, kinds):
             shape["numbers"] = [rng.uniform(0.3, 1) * size * s for signs in ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)) for s in signs]
             shape["corners"] = [0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2]
     elif kind == judge.BALLS:
-        shape["numbers"] = [x for _ in range(rng.randint(1, 4)) for x in (*(rng.uniform(-size, size) for _ in range(3)), rng.uniform(0.1, 0.6) * size)]
+        shape["numbers"] = [x for _ in range(rng.choice([1, 2, 4, 9])) for x in (*(rng.uniform(-size, size) for _ in range(3)), rng.uniform(0.1, 0.6) * size)]
     elif kind == judge.BOXES:
-        for _ in range(rng.randint(1, 3)):
+        for _ in range(rng.choice([1, 2, 3, 8])):
             low = [rng.uniform(-size, 0.5 * size) for _ in range(3)]
             shape["numbers"] += low + [x + rng.uniform(0.1, 1) * size for x in low]
     elif kind <= judge.CONE:

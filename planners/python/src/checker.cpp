@@ -465,6 +465,7 @@ void bindCheckers( nb::module_& module )
 	bindNear( type );
 	bindMotions( type );
 	bindAudits( module, type );
+	bindReferee( type );
 	bindGoals( type );
 	bindPlans( module, type );
 	type.def( "full_state", &fullState, "q"_a,

@@ -127,6 +127,7 @@ void bindMotions( nb::class_<PyChecker>& type );
 motions::TrajectoryFile trajectoryOf( const PyChecker& checker, const Doubles& times, const nb::object& positions,
     const nb::object& velocities, const nb::object& accelerations );
 void bindAudits( nb::module_& module, nb::class_<PyChecker>& type );
+void bindReferee( nb::class_<PyChecker>& type );
 void bindGoals( nb::class_<PyChecker>& type );
 void bindPlans( nb::module_& module, nb::class_<PyChecker>& type );
 void bindReach( nb::module_& module );
