@@ -221,7 +221,7 @@ Example: leeway referee --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --
 
 Exit status 0: all pass by --policy; 1: one fails; 2: error.)",
     R"(Each item gets a verdict: FREE: all of it is proved; BLOCKED: a colliding state, how deep the bodies are in each other at the worst state
-found, and its pair; UNDECIDED: neither. The ruling says what it assumed. --policy proved: FREE, within joint limits and without gaps passes.
+found, and its pair; UNDECIDED: neither. The ruling names its assumptions. --policy proved: FREE, within joint limits and without gaps passes.
 --policy collision: all but BLOCKED pass.
 
 Motions are proved at all times, with --tolerance for all deviations within it. Of a region, --search seconds go to a colliding

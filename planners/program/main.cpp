@@ -316,7 +316,8 @@ CLI::App* addReferee( CLI::App& app, RefereeOptions& options )
 	    ->type_name( "FILE" )
 	    ->allow_extra_args( false )
 	    ->required();
-	command->add_option( "--policy", options.policy, "proved: only FREE passes; collision: all but BLOCKED (default proved)" )
+	command
+	    ->add_option( "--policy", options.policy, "proved: only FREE passes; collision: all but BLOCKED (default proved)" )
 	    ->check( CLI::IsMember( { "proved", "collision" } ).description( "" ) )
 	    ->type_name( "proved|collision" );
 	command->add_option( "--tolerance", options.tolerance, "radians or metres off a motion, of all joints or JOINT=E" )
@@ -503,6 +504,14 @@ void validate( const CLI::App& chosen, const PlanOptions& options )
 	}
 }
 
+int dispatchReferee( const CLI::App& chosen, RefereeOptions& options )
+{
+	validate( chosen, options.common );
+	requireNotNegative( "--search", options.search );
+	requireNotNegative( "--prove", options.proof );
+	return runReferee( options );
+}
+
 int dispatchAudit( const CLI::App& chosen, AuditOptions& options )
 {
 	validate( chosen, options.common );
@@ -578,10 +587,7 @@ int dispatch( const CLI::App& app, Commands& commands )
 	}
 	if ( name == "referee" )
 	{
-		validate( *chosen, commands.referee.common );
-		requireNotNegative( "--search", commands.referee.search );
-		requireNotNegative( "--prove", commands.referee.proof );
-		return runReferee( commands.referee );
+		return dispatchReferee( *chosen, commands.referee );
 	}
 	if ( name == "tune" )
 	{

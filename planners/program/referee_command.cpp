@@ -49,7 +49,8 @@ Values startOf( const Item& item, const io::RobotModel& robot, Notices& notices 
 	path.file = item.file;
 	path.start_state = item.start_state;
 	std::vector<io::Notice> unused;
-	const Values values = item.trajectory ? startValues( { *item.trajectory }, robot, unused ) : startValues( path, robot, unused );
+	const Values values =
+	    item.trajectory ? startValues( { *item.trajectory }, robot, unused ) : startValues( path, robot, unused );
 	notices.add( "unused joints", unused );
 	return values;
 }
@@ -65,8 +66,8 @@ public:
 	const Workbench& of( const Item& item )
 	{
 		const std::string group = groupOf( item, m_options.common.group, m_input.robot );
-		const Values values =
-		    standing( m_input.robot, m_input.request ? &*m_input.request : nullptr, startOf( item, m_input.robot, m_notices ) );
+		const Values values = standing(
+		    m_input.robot, m_input.request ? &*m_input.request : nullptr, startOf( item, m_input.robot, m_notices ) );
 		for ( const Kept& kept : m_kept )
 		{
 			if ( kept.group == group && kept.values == values )

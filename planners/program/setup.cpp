@@ -462,7 +462,7 @@ std::vector<Tolerance> givenTolerances( const std::vector<std::string>& options 
 Interpolation interpolationOf( const std::string& name )
 {
 	const std::map<std::string, Interpolation> known = { { "auto", Interpolation::automatic },
-		{ "linear", Interpolation::linear }, { "cubic", Interpolation::cubic }, { "quintic", Interpolation::quintic } };
+	    { "linear", Interpolation::linear }, { "cubic", Interpolation::cubic }, { "quintic", Interpolation::quintic } };
 	const auto found = known.find( name );
 	if ( found == known.end() )
 	{

@@ -99,7 +99,8 @@ std::vector<std::vector<std::vector<double>>> readNpy( const std::string& file )
 	const std::size_t size = type[1] == "8" ? 8 : 4, data = begin + length;
 	if ( total == 0 || ( bytes.size() - data ) / size != static_cast<std::size_t>( total ) )
 	{
-		wrong( "data", fmt::format( "it has {} bytes of numbers for {} x {} x {}", bytes.size() - data, sizes[0], sizes[1], sizes[2] ) );
+		wrong( "data", fmt::format( "it has {} bytes of numbers for {} x {} x {}", bytes.size() - data, sizes[0], sizes[1],
+		                   sizes[2] ) );
 	}
 	std::vector<std::vector<std::vector<double>>> paths(
 	    sizes[0], std::vector<std::vector<double>>( sizes[1], std::vector<double>( sizes[2] ) ) );
@@ -109,7 +110,8 @@ std::vector<std::vector<std::vector<double>>> readNpy( const std::string& file )
 		{
 			for ( std::size_t k = 0; k < sizes[2]; ++k )
 			{
-				const std::size_t place = order[1] == "True" ? i + sizes[0] * ( j + sizes[1] * k ) : ( i * sizes[1] + j ) * sizes[2] + k;
+				const std::size_t place =
+				    order[1] == "True" ? i + sizes[0] * ( j + sizes[1] * k ) : ( i * sizes[1] + j ) * sizes[2] + k;
 				const double value = numberAt( bytes, data + size * place, size );
 				if ( !( std::fabs( value ) <= motions::largest_number ) )
 				{
@@ -144,7 +146,8 @@ std::vector<std::vector<std::vector<double>>> readMatrix( const std::string& fil
 		}
 		if ( !points.empty() && !point.empty() && point.size() != points[0].size() )
 		{
-			throw io::Error( file, fmt::format( "line {}", number ), fmt::format( "has {} numbers, and the first point {}", point.size(), points[0].size() ),
+			throw io::Error( file, fmt::format( "line {}", number ),
+			    fmt::format( "has {} numbers, and the first point {}", point.size(), points[0].size() ),
 			    "give a value for each joint" );
 		}
 		if ( !point.empty() )

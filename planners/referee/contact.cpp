@@ -28,7 +28,7 @@ std::optional<Contact> deepestContact(
 		return std::nullopt;
 	}
 	contact.depth = { std::max( 0.0, -pair.clearance.upper ),
-		std::isfinite( pair.clearance.lower ) ? std::max( 0.0, -pair.clearance.lower ) : 0.0 };
+	    std::isfinite( pair.clearance.lower ) ? std::max( 0.0, -pair.clearance.lower ) : 0.0 };
 	contact.self = pair.self;
 	contact.pair = pair.self ? motions::nameSelf( problem.checker.get(), pair.clearance )
 	                         : motions::nameEnvironment( problem.checker.get(), pair.clearance );

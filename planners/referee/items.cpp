@@ -28,8 +28,8 @@ std::vector<std::vector<double>> numberRows( const std::string& file, const YAML
 	for ( std::size_t i = 0; i < node.size(); ++i )
 	{
 		const std::size_t count = i == 0 && node[0].IsSequence() ? node[0].size() : i == 0 ? 0 : rows[0].size();
-		rows.push_back( motions::numberList( file, node[i], fmt::format( "{}[{}]", element, i ), count,
-		    "give all rows the same count of numbers" ) );
+		rows.push_back( motions::numberList(
+		    file, node[i], fmt::format( "{}[{}]", element, i ), count, "give all rows the same count of numbers" ) );
 	}
 	return rows;
 }
@@ -80,7 +80,8 @@ std::vector<Region> regionsOf( const std::string& file, const YAML::Node& root )
 	}
 	if ( !regions.empty() && list.size() != regions.size() + ( child( list, "joint_names" ).IsDefined() ? 1 : 0 ) )
 	{
-		throw io::Error( file, "regions", "some of its entries have no A and b", "give A and b to each, or remove the others" );
+		throw io::Error(
+		    file, "regions", "some of its entries have no A and b", "give A and b to each, or remove the others" );
 	}
 	if ( child( root, "joint_names" ).IsDefined() )
 	{
@@ -100,7 +101,8 @@ std::vector<motions::Segment> bsplineOf( const std::string& file, const YAML::No
 	const double order = motions::finiteValue( file, node["order"], element + ".order" );
 	if ( !( order >= 2 && order <= LW_CURVE_MOST_DEGREE + 1 && order == static_cast<unsigned>( order ) ) )
 	{
-		throw io::Error( file, element + ".order", fmt::format( "{:g} is not a whole number of 2 to {}", order, LW_CURVE_MOST_DEGREE + 1 ),
+		throw io::Error( file, element + ".order",
+		    fmt::format( "{:g} is not a whole number of 2 to {}", order, LW_CURVE_MOST_DEGREE + 1 ),
 		    "give order = degree + 1" );
 	}
 	const std::vector<std::vector<double>> points = numberRows( file, node["control_points"], element + ".control_points" );
@@ -113,15 +115,16 @@ std::vector<motions::Segment> bezierOf( const std::string& file, const YAML::Nod
 {
 	const double begin = motions::finiteValue( file, node["start"], element + ".start" );
 	const double end = motions::finiteValue( file, node["end"], element + ".end" );
-	return { fromBezier( begin, end, numberRows( file, node["control_points"], element + ".control_points" ), file, element ) };
+	return {
+	    fromBezier( begin, end, numberRows( file, node["control_points"], element + ".control_points" ), file, element ) };
 }
 
 std::vector<motions::Segment> polynomialsOf( const std::string& file, const YAML::Node& node, const std::string& element )
 {
 	const YAML::Node pieces = node["coefficients"];
 	const std::size_t count = pieces.IsDefined() && pieces.IsSequence() ? pieces.size() : 0;
-	const std::vector<double> breaks = motions::numberList( file, node["breaks"], element + ".breaks", count + 1,
-	    "give one break more than pieces of coefficients" );
+	const std::vector<double> breaks = motions::numberList(
+	    file, node["breaks"], element + ".breaks", count + 1, "give one break more than pieces of coefficients" );
 	std::vector<motions::Segment> segments;
 	for ( std::size_t i = 0; i < count; ++i )
 	{

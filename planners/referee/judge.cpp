@@ -98,7 +98,8 @@ std::vector<Segment> splineOf( const io::Problem& problem, const Item& item, std
 		double gap = 0;
 		for ( std::size_t v = 0; i > 0 && v < count; ++v )
 		{
-			gap = std::max( gap, std::fabs( segments[i].points[v] - segments[i - 1].points[segments[i - 1].degree * count + v] ) );
+			gap = std::max(
+			    gap, std::fabs( segments[i].points[v] - segments[i - 1].points[segments[i - 1].degree * count + v] ) );
 		}
 		if ( gap > largest_gap )
 		{
@@ -112,7 +113,8 @@ std::vector<Segment> splineOf( const io::Problem& problem, const Item& item, std
 std::string interpolations( const motions::TrajectoryAudit& audit )
 {
 	std::string text;
-	for ( const auto& [degree, name] : { std::pair( 1U, "straight" ), std::pair( 3U, "cubic" ), std::pair( 5U, "quintic" ) } )
+	for ( const auto& [degree, name] :
+	    { std::pair( 1U, "straight" ), std::pair( 3U, "cubic" ), std::pair( 5U, "quintic" ) } )
 	{
 		if ( audit.by_degree[degree] > 0 )
 		{
@@ -301,16 +303,15 @@ std::string headline( const Ruling& ruling )
 	{
 	case LW_VERDICT_BLOCKED:
 		return ruling.kind == "region" ? fmt::format( "a state of it collides: {}, {}", pair, depthText( ruling ) )
-		                               : fmt::format( "collides from {} on: {}, {} at {}", ruling.place, pair, depthText( ruling ),
-		                                     ruling.worst_place );
+		                               : fmt::format( "collides from {} on: {}, {} at {}", ruling.place, pair,
+		                                     depthText( ruling ), ruling.worst_place );
 	case LW_VERDICT_FREE:
 		return ruling.kind == "region" ? fmt::format( "all of it is proved, in {} boxes", ruling.region.boxes )
 		                               : fmt::format( "proved, clearance at least {:.6f} m", ruling.lower_bound );
 	default:
-		return ruling.kind == "region"
-		           ? fmt::format( "no collision found in {} states; {:.1f} % is proved, in {} boxes", ruling.region.states,
-		                 100 * ruling.region.proved, ruling.region.boxes )
-		           : fmt::format( "neither proved nor colliding: {} at {}", pair, ruling.place );
+		return ruling.kind == "region" ? fmt::format( "no collision found in {} states; {:.1f} % is proved, in {} boxes",
+		                                     ruling.region.states, 100 * ruling.region.proved, ruling.region.boxes )
+		                               : fmt::format( "neither proved nor colliding: {} at {}", pair, ruling.place );
 	}
 }
 
@@ -351,7 +352,8 @@ bool Ruling::passes( Policy policy ) const
 Ruling judge( const io::Problem& problem, const io::RobotModel& robot, const Item& item, const JudgeSettings& settings )
 {
 	const auto begin = std::chrono::steady_clock::now();
-	Ruling ruling = item.region ? judgeOfRegion( problem, item, settings ) : MotionJudge( problem, robot, item, settings ).run();
+	Ruling ruling =
+	    item.region ? judgeOfRegion( problem, item, settings ) : MotionJudge( problem, robot, item, settings ).run();
 	ruling.name = item.name;
 	ruling.names = problem.variable_names;
 	ruling.seconds = secondsSince( begin );
@@ -360,7 +362,8 @@ Ruling judge( const io::Problem& problem, const io::RobotModel& robot, const Ite
 
 std::string describe( const Ruling& ruling )
 {
-	std::string text = fmt::format( "{:<10}{:<11}{}: {}\n", lw_verdict_name( ruling.verdict ), ruling.kind, ruling.name, headline( ruling ) );
+	std::string text = fmt::format(
+	    "{:<10}{:<11}{}: {}\n", lw_verdict_name( ruling.verdict ), ruling.kind, ruling.name, headline( ruling ) );
 	if ( ruling.verdict == LW_VERDICT_BLOCKED )
 	{
 		text += fmt::format( "          state      {}\n", stateText( ruling.names, ruling.worst ) );
@@ -393,12 +396,13 @@ motions::Json toJson( const Ruling& ruling, Policy policy )
 	}
 	if ( ruling.verdict == LW_VERDICT_BLOCKED )
 	{
-		json["worst"] = { { "place", ruling.worst_place }, { "state", ruling.worst }, { "depth", { ruling.depth.least, ruling.depth.most } } };
+		json["worst"] = { { "place", ruling.worst_place }, { "state", ruling.worst },
+		    { "depth", { ruling.depth.least, ruling.depth.most } } };
 	}
 	if ( ruling.kind == "region" )
 	{
-		json["region"] = { { "states", ruling.region.states }, { "descents", ruling.region.descents }, { "boxes", ruling.region.boxes },
-			{ "proved_share", ruling.region.proved } };
+		json["region"] = { { "states", ruling.region.states }, { "descents", ruling.region.descents },
+		    { "boxes", ruling.region.boxes }, { "proved_share", ruling.region.proved } };
 	}
 	else if ( ruling.verdict == LW_VERDICT_FREE )
 	{
@@ -419,14 +423,16 @@ std::string junit( const std::vector<Ruling>& rulings, Policy policy, const std:
 		const bool passed = ruling.passes( policy );
 		failures += passed ? 0 : 1;
 		seconds += ruling.seconds;
-		cases += fmt::format( "  <testcase classname=\"leeway.referee.{}\" name=\"{}\" time=\"{:.3f}\"", escaped( ruling.kind ),
-		    escaped( ruling.name ), ruling.seconds );
-		cases += passed ? "/>\n"
-		                : fmt::format( ">\n    <failure type=\"{}\" message=\"{}\">{}</failure>\n  </testcase>\n",
-		                      lw_verdict_name( ruling.verdict ), escaped( headline( ruling ) ), escaped( describe( ruling ) ) );
+		cases += fmt::format( "  <testcase classname=\"leeway.referee.{}\" name=\"{}\" time=\"{:.3f}\"",
+		    escaped( ruling.kind ), escaped( ruling.name ), ruling.seconds );
+		cases += passed
+		             ? "/>\n"
+		             : fmt::format( ">\n    <failure type=\"{}\" message=\"{}\">{}</failure>\n  </testcase>\n",
+		                   lw_verdict_name( ruling.verdict ), escaped( headline( ruling ) ), escaped( describe( ruling ) ) );
 	}
-	return fmt::format( "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"leeway referee {}\" tests=\"{}\" failures=\"{}\" "
-	                    "time=\"{:.3f}\">\n{}</testsuite>\n",
+	return fmt::format(
+	    "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"leeway referee {}\" tests=\"{}\" failures=\"{}\" "
+	    "time=\"{:.3f}\">\n{}</testsuite>\n",
 	    escaped( robot ), rulings.size(), failures, seconds, cases );
 }
 

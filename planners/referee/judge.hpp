@@ -41,9 +41,9 @@ struct Ruling
 	Depth depth;               ///< BLOCKED: of two bodies at `worst`
 	std::vector<double> worst; ///< BLOCKED: the deepest state found
 	std::string worst_place;
-	double lower_bound = 0;        ///< FREE motions: metres, proved
-	RegionVerdict region;          ///< of a region
-	std::vector<std::string> names; ///< of variables
+	double lower_bound = 0;                 ///< FREE motions: metres, proved
+	RegionVerdict region;                   ///< of a region
+	std::vector<std::string> names;         ///< of variables
 	std::vector<motions::Segment> segments; ///< of a motion
 	double seconds = 0;
 

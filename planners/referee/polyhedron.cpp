@@ -205,7 +205,7 @@ bool Polyhedron::tighten( Box& box ) const
 					return false;
 				}
 			}
-			// `least` was that of the box before: its bounds only rose since, so what followed from it holds
+			// `least` is of the box before this row: the row moves only bounds that `least` has no part of
 		}
 		if ( !changed )
 		{

@@ -20,8 +20,8 @@ namespace
 constexpr std::size_t measure_states = 2000; // random states that stand for the region's volume
 constexpr int longest_descent = 30;          // steps
 constexpr int deepening_steps = 40;
-constexpr double deepening = 0.003;          // metres in a step
-constexpr double at_ends = 0.3;              // of random states: at the ends of their line, where IRIS regions collide most
+constexpr double deepening = 0.003; // metres in a step
+constexpr double at_ends = 0.3;     // of random states: at the ends of their line, where IRIS regions collide most
 
 double secondsSince( std::chrono::steady_clock::time_point begin )
 {
@@ -30,8 +30,8 @@ double secondsSince( std::chrono::steady_clock::time_point begin )
 
 Polyhedron polyhedronOf( const io::Problem& problem, const Region& region, Box& box )
 {
-	const std::vector<std::size_t> columns =
-	    groupColumns( problem, region.joint_names, region.a.empty() ? 0 : region.a.front().size(), region.file, region.element );
+	const std::vector<std::size_t> columns = groupColumns(
+	    problem, region.joint_names, region.a.empty() ? 0 : region.a.front().size(), region.file, region.element );
 	Polyhedron polyhedron( columns.size() );
 	const auto wrong = [&]( const std::string& problem_, const char* remedy )
 	{ throw io::Error( region.file, region.element, problem_, remedy ); };
@@ -77,8 +77,9 @@ class Judge
 {
 public:
 	Judge( const io::Problem& problem, const Region& region, const RegionSettings& settings )
-	    : m_problem( problem ), m_region( region ), m_settings( settings ), m_polyhedron( polyhedronOf( problem, region, m_box ) ),
-	      m_query( makeQuery( problem.checker.get() ) ), m_random( settings.seed )
+	    : m_problem( problem ), m_region( region ), m_settings( settings ),
+	      m_polyhedron( polyhedronOf( problem, region, m_box ) ), m_query( makeQuery( problem.checker.get() ) ),
+	      m_random( settings.seed )
 	{
 	}
 
@@ -105,11 +106,10 @@ private:
 	bool collides( const State& q, lw_clearance& nearest, bool& self )
 	{
 		++m_verdict.states;
-		const lw_state_result state =
-		    motions::measure( m_problem.checker.get(), m_query.get(), q, m_settings.flags, nullptr, m_region.file, m_region.element );
+		const lw_state_result state = motions::measure(
+		    m_problem.checker.get(), m_query.get(), q, m_settings.flags, nullptr, m_region.file, m_region.element );
 		const bool environment = ( m_settings.flags & LW_CHECK_ENVIRONMENT ) != 0;
-		self = ( m_settings.flags & LW_CHECK_SELF ) != 0 &&
-		       ( !environment || state.self.upper < state.environment.upper );
+		self = ( m_settings.flags & LW_CHECK_SELF ) != 0 && ( !environment || state.self.upper < state.environment.upper );
 		nearest = self ? state.self : state.environment;
 		return nearest.upper <= m_settings.min_d;
 	}
@@ -260,7 +260,7 @@ private:
 		bool operator<( const Task& other ) const { return states.size() < other.states.size(); }
 	};
 
-	/// Proves a box; else `levers` has what a radian of each variable moves of the pair in the way.
+	/// Proves a box; else `levers` has metres per radian of each variable, for the points of the pair in the way.
 	lw_verdict proveBox( const Box& box, State& middle, State& levers )
 	{
 		State tolerance;
@@ -277,7 +277,8 @@ private:
 		def.close_windows = 0;
 		def.tolerance = tolerance.data();
 		lw_edge_result result;
-		require( lw_checker_edge( m_problem.checker.get(), m_query.get(), middle.data(), middle.data(), &def, &result ), "proof of a box" );
+		require( lw_checker_edge( m_problem.checker.get(), m_query.get(), middle.data(), middle.data(), &def, &result ),
+		    "proof of a box" );
 		m_verdict.states += result.queries;
 		levers.assign( middle.size(), 1e-3 );
 		if ( result.verdict == LW_VERDICT_UNDECIDED && result.pair.a != LW_INVALID_INDEX )
@@ -287,8 +288,8 @@ private:
 			{
 				if ( ( second && !result.self ) ||
 				     lw_checker_point_jacobian( m_problem.checker.get(), m_query.get(), middle.data(),
-				         second ? result.pair.b : result.pair.a, second ? result.pair.point_b : result.pair.point_a, jacobian.data() ) !=
-				         LW_OK )
+				         second ? result.pair.b : result.pair.a, second ? result.pair.point_b : result.pair.point_a,
+				         jacobian.data() ) != LW_OK )
 				{
 					continue;
 				}
@@ -314,9 +315,10 @@ private:
 			states.push_back( q );
 		}
 		Task all{ m_box, {} };
-		const bool bounded = m_polyhedron.tighten( all.box ) &&
-		                     std::all_of( all.box.lower.begin(), all.box.lower.end(), []( double v ) { return std::isfinite( v ); } ) &&
-		                     std::all_of( all.box.upper.begin(), all.box.upper.end(), []( double v ) { return std::isfinite( v ); } );
+		const bool bounded =
+		    m_polyhedron.tighten( all.box ) &&
+		    std::all_of( all.box.lower.begin(), all.box.lower.end(), []( double v ) { return std::isfinite( v ); } ) &&
+		    std::all_of( all.box.upper.begin(), all.box.upper.end(), []( double v ) { return std::isfinite( v ); } );
 		if ( !bounded )
 		{
 			return LW_VERDICT_UNDECIDED;

@@ -33,15 +33,15 @@ struct RegionVerdict
 {
 	/// BLOCKED: q is in the region and collides. FREE: all of the region within the joint limits is proved. UNDECIDED: neither.
 	lw_verdict verdict = LW_VERDICT_UNKNOWN;
-	std::vector<double> q;    ///< BLOCKED: group state
+	std::vector<double> q;     ///< BLOCKED: group state
 	std::vector<double> worst; ///< BLOCKED: the deepest state found from there on
 	Depth depth;               ///< of it
-	motions::Named pair;      ///< of it
-	bool self = false;        ///< of the pair
-	double proved = 0;        ///< share of random states of the region that are in proved boxes
-	std::size_t boxes = 0;    ///< that are proved
-	std::size_t states = 0;   ///< that were measured
-	std::size_t descents = 0; ///< of the clearance, from random states
+	motions::Named pair;       ///< of it
+	bool self = false;         ///< of the pair
+	double proved = 0;         ///< share of random states of the region that are in proved boxes
+	std::size_t boxes = 0;     ///< that are proved
+	std::size_t states = 0;    ///< that were measured
+	std::size_t descents = 0;  ///< of the clearance, from random states
 	double seconds = 0;
 };
 

@@ -15,7 +15,8 @@ void requireInterval( double begin, double end, const std::string& file, const s
 {
 	if ( !( end > begin ) || !std::isfinite( end - begin ) )
 	{
-		throw io::Error( file, element, fmt::format( "ends at {:g} s, and begins at {:g} s", end, begin ), "give times that increase" );
+		throw io::Error(
+		    file, element, fmt::format( "ends at {:g} s, and begins at {:g} s", end, begin ), "give times that increase" );
 	}
 }
 
@@ -23,14 +24,16 @@ unsigned requireDegree( std::size_t numbers, const std::string& file, const std:
 {
 	if ( numbers < 1 || numbers > LW_CURVE_MOST_DEGREE + 1 )
 	{
-		throw io::Error( file, element, fmt::format( "is of degree {}, and 1 to {} can be judged", double( numbers ) - 1, LW_CURVE_MOST_DEGREE ),
+		throw io::Error( file, element,
+		    fmt::format( "is of degree {}, and 1 to {} can be judged", double( numbers ) - 1, LW_CURVE_MOST_DEGREE ),
 		    "approximate it by more pieces of a lower degree" );
 	}
 	return std::max( 1U, static_cast<unsigned>( numbers ) - 1 );
 }
 
 /// The blossom of the spline on the interval that begins at knots[span], at `degree` arguments.
-std::vector<double> blossom( const std::vector<double>& knots, const Rows& points, std::size_t span, const std::vector<double>& arguments )
+std::vector<double> blossom(
+    const std::vector<double>& knots, const Rows& points, std::size_t span, const std::vector<double>& arguments )
 {
 	const std::size_t degree = arguments.size();
 	Rows row( points.begin() + std::ptrdiff_t( span - degree ), points.begin() + std::ptrdiff_t( span ) + 1 );
@@ -51,8 +54,8 @@ std::vector<double> blossom( const std::vector<double>& knots, const Rows& point
 
 } // namespace
 
-std::vector<motions::Segment> fromBspline(
-    unsigned order, const std::vector<double>& knots, const Rows& points, const std::string& file, const std::string& element )
+std::vector<motions::Segment> fromBspline( unsigned order, const std::vector<double>& knots, const Rows& points,
+    const std::string& file, const std::string& element )
 {
 	const unsigned degree = order - 1;
 	if ( !std::is_sorted( knots.begin(), knots.end() ) || points.size() < order )
@@ -87,7 +90,8 @@ std::vector<motions::Segment> fromBspline(
 	return segments;
 }
 
-motions::Segment fromBezier( double begin, double end, const Rows& points, const std::string& file, const std::string& element )
+motions::Segment fromBezier(
+    double begin, double end, const Rows& points, const std::string& file, const std::string& element )
 {
 	requireInterval( begin, end, file, element );
 	motions::Segment segment;

@@ -15,8 +15,8 @@ using Rows = std::vector<std::vector<double>>;
 
 /// A segment for each interval of knots that has a length, by blossoms (Ramshaw, 1987).
 /// @param knots [points + order], not decreasing @param points [points][variables] @throws io::Error
-std::vector<motions::Segment> fromBspline(
-    unsigned order, const std::vector<double>& knots, const Rows& points, const std::string& file, const std::string& element );
+std::vector<motions::Segment> fromBspline( unsigned order, const std::vector<double>& knots, const Rows& points,
+    const std::string& file, const std::string& element );
 
 /// @param points [degree + 1][variables] @throws io::Error
 motions::Segment fromBezier(

@@ -31,7 +31,7 @@ sys.setrecursionlimit(10000)
 
 
 class Checkers:
-    """Verdicts: (0, 1 or 2, what it printed)."""
+    """Verdicts: (0, 1 or 2, its sentence)."""
 
     def __init__(self, c, python, folder, server=None):
         spec = importlib.util.spec_from_file_location("check_certificate", python)

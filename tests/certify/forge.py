@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Certificates that no writer made: random links, shapes, curves and words of a proof, with what stands in the way brought so near that a checker
+"""Certificates that no writer made: random links, shapes, curves and words of a proof, and an obstacle brought so near that a checker
 just accepts. Motions in one window go up to 2 rad and 1 m, so that each term of the bounds decides in some of them."""
 import numpy
 
@@ -58,7 +58,7 @@ def some_links(rng, branches):
                 variable = rng.randrange(variables) if variables > 0 and rng.random() < 0.3 else variables
                 variables = max(variables, variable + 1)
             links.append({"name": f"l{len(links)}", "joint": f"j{len(links)}", "parent": parent,
-                "origin": [rng.uniform(-0.5, 0.5) for _ in range(3)] + spin(rng), "type": 1 if rng.random() < 0.8 else 2, "axis": list(unit(rng)),
+                "origin": [rng.uniform(-0.5, 0.5) for _ in range(3)] + spin(rng), "type": 1 if rng.random() < 0.8 else 2, "axis": list(10 ** rng.uniform(-0.5, 0.5) * unit(rng)),
                 "variable": variable, "multiplier": rng.choice([1.0, 1.0, rng.uniform(-2, 2)]), "offset": rng.choice([0.0, rng.uniform(-1, 1)])})
             parent = len(links) - 1
         ends.append(parent)
@@ -142,7 +142,7 @@ def forged(rng, accepts, steps=18):
     far = 8.0
 
     def placed(nearer):
-        """The second body's or obstacle's middle so many metres less than `far` from that of the first, along `toward`."""
+        """Moves the second body or the obstacle to `far` less so many metres from the first one, along `toward`."""
         where = before + places[0] - places[1] + (far - nearer) * toward
         if with_object:
             other["pose"][:3] = where.tolist()

@@ -6,7 +6,7 @@ import numpy
 import leeway
 
 TIMES, DEVIATIONS, ROUNDING = 60, 4, 1e-9
-TOUCH = 1e-12  # metres: what overlaps is 0 apart, and no claim of a distance above 0 allows that
+TOUCH = 1e-12  # metres: bodies that overlap are 0 apart, and no claim of a distance above 0 allows that
 TRIANGLES, BALLS, BOXES, CYLINDER, CAPSULE, CONE, HALFSPACE, PLANE = range(1, 9)
 
 
@@ -99,7 +99,7 @@ def bezier(points, t):
 
 
 def states_of(content, rng):
-    """[states][variables]: times of all pieces, and at each some deviations, most of them at a corner of what is tolerated."""
+    """[states][variables]: times of all pieces, and at each some deviations, most of them at a corner of the tolerances."""
     last, found = content["start"], []
     tolerance = numpy.array([v["tolerance"] for v in content["variables"]])
     random = numpy.random.default_rng(rng.randrange(1 << 30))

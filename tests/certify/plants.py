@@ -16,7 +16,7 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 CERTIFY = HERE.parents[1] / "planners" / "certify"
 
-# name, what stands in check_certificate.c, what is planted
+# name, text of check_certificate.c, its replacement
 IN_C = [
     ("path bound of a", "- x.path - y.path", "- y.path"),
     ("path bound of b", "- x.path - y.path", "- x.path"),

@@ -27,19 +27,21 @@ protected:
 	{
 		const auto link = []( const char* name )
 		{
-			return fmt::format( "<link name='{}'><collision><origin xyz='0.25 0 0'/><geometry><box size='0.5 0.04 0.04'/></geometry>"
-			                    "</collision></link>",
+			return fmt::format(
+			    "<link name='{}'><collision><origin xyz='0.25 0 0'/><geometry><box size='0.5 0.04 0.04'/></geometry>"
+			    "</collision></link>",
 			    name );
 		};
 		const auto joint = []( const char* name, const char* parent, const char* child, double x )
 		{
-			return fmt::format( "<joint name='{}' type='revolute'><parent link='{}'/><child link='{}'/><origin xyz='{} 0 0'/><axis xyz='0 0 1'/>"
-			                    "<limit lower='-3' upper='3' effort='1' velocity='1'/></joint>",
+			return fmt::format(
+			    "<joint name='{}' type='revolute'><parent link='{}'/><child link='{}'/><origin xyz='{} 0 0'/><axis xyz='0 0 1'/>"
+			    "<limit lower='-3' upper='3' effort='1' velocity='1'/></joint>",
 			    name, parent, child, x );
 		};
-		robot = io::loadRobot( write( "arm.urdf", "<robot name='arm'><link name='base'/>" + link( "upper" ) + link( "fore" ) +
-		                                              joint( "shoulder", "base", "upper", 0 ) + joint( "elbow", "upper", "fore", 0.5 ) +
-		                                              "</robot>" ),
+		robot = io::loadRobot( write( "arm.urdf", "<robot name='arm'><link name='base'/>" + link( "upper" ) +
+		                                              link( "fore" ) + joint( "shoulder", "base", "upper", 0 ) +
+		                                              joint( "elbow", "upper", "fore", 0.5 ) + "</robot>" ),
 		    "" );
 		scene = io::loadScene( write( "scene.yaml",
 		    "name: s\nworld:\n  collision_objects:\n    - {id: post, primitives: [{type: cylinder, dimensions: [1, 0.05]}], "
@@ -62,9 +64,11 @@ protected:
 	bool collides( const std::vector<double>& q ) const
 	{
 		const Query query = makeQuery( problem.checker.get() );
-		return motions::measure( problem.checker.get(), query.get(), q, LW_CHECK_ENVIRONMENT, nullptr, "test", "state" ).environment.upper <= 0;
+		return motions::measure( problem.checker.get(), query.get(), q, LW_CHECK_ENVIRONMENT, nullptr, "test", "state" )
+		           .environment.upper <= 0;
 	}
-	static std::string npy( const std::string& type, const std::string& order, const std::string& shape, const std::string& data )
+	static std::string npy(
+	    const std::string& type, const std::string& order, const std::string& shape, const std::string& data )
 	{
 		std::string header = fmt::format( "{{'descr': '{}', 'fortran_order': {}, 'shape': ({}), }}", type, order, shape );
 		header.resize( 118, ' ' );
@@ -317,34 +321,46 @@ TEST_F( RefereeTest, ArraysOfNumPyAreMisread )
 {
 	const std::vector<double> numbers{ 1, 2, 3, 4, 5, 6 };
 	using Paths = std::vector<std::vector<std::vector<double>>>;
-	EXPECT_EQ( readNpy( write( "a.npy", npy( "<f8", "False", "3, 2", bytesOf( numbers ) ) ) ), ( Paths{ { { 1, 2 }, { 3, 4 }, { 5, 6 } } } ) );
-	EXPECT_EQ( readNpy( write( "b.npy", npy( "<f8", "True", "3, 2", bytesOf( numbers ) ) ) ), ( Paths{ { { 1, 4 }, { 2, 5 }, { 3, 6 } } } ) );
+	EXPECT_EQ( readNpy( write( "a.npy", npy( "<f8", "False", "3, 2", bytesOf( numbers ) ) ) ),
+	    ( Paths{ { { 1, 2 }, { 3, 4 }, { 5, 6 } } } ) );
+	EXPECT_EQ( readNpy( write( "b.npy", npy( "<f8", "True", "3, 2", bytesOf( numbers ) ) ) ),
+	    ( Paths{ { { 1, 4 }, { 2, 5 }, { 3, 6 } } } ) );
 	const std::vector<float> halves{ 0.5F, 1.5F, 2.5F, 3.5F };
-	EXPECT_EQ( readNpy( write( "c.npy", npy( "<f4", "False", "2, 1, 2", bytesOf( halves ) ) ) ), ( Paths{ { { 0.5, 1.5 } }, { { 2.5, 3.5 } } } ) );
-	expectError( [&] { readNpy( write( "d.npy", npy( "<f8", "False", "4, 2", bytesOf( numbers ) ) ) ); }, { "d.npy", "48 bytes" } );
-	expectError( [&] { readNpy( write( "e.npy", npy( "<i8", "False", "3, 2", bytesOf( numbers ) ) ) ); }, { "e.npy", "float64" } );
-	expectError( [&] { readNpy( write( "f.npy", npy( "<f8", "False", "99999999999, 99999999999", "" ) ) ); }, { "f.npy", "more than" } );
-	expectError( [&] { readNpy( write( "g.npy", "no array" ) ); }, { "g.npy", "no .npy file" } );
+	EXPECT_EQ( readNpy( write( "c.npy", npy( "<f4", "False", "2, 1, 2", bytesOf( halves ) ) ) ),
+	    ( Paths{ { { 0.5, 1.5 } }, { { 2.5, 3.5 } } } ) );
 	expectError(
-	    [&] { readNpy( write( "h.npy", npy( "<f8", "False", "1, 1", bytesOf( std::vector<double>{ NAN } ) ) ) ); }, { "[0][0][0]", "finite" } );
-	EXPECT_EQ( readMatrix( write( "a.txt", "# OMPL\n0.1 0.2\n\n0.3,0.4 \n" ) ), ( Paths{ { { 0.1, 0.2 }, { 0.3, 0.4 } } } ) );
+	    [&] { readNpy( write( "d.npy", npy( "<f8", "False", "4, 2", bytesOf( numbers ) ) ) ); }, { "d.npy", "48 bytes" } );
+	expectError(
+	    [&] { readNpy( write( "e.npy", npy( "<i8", "False", "3, 2", bytesOf( numbers ) ) ) ); }, { "e.npy", "float64" } );
+	expectError( [&] { readNpy( write( "f.npy", npy( "<f8", "False", "99999999999, 99999999999", "" ) ) ); },
+	    { "f.npy", "more than" } );
+	expectError( [&] { readNpy( write( "g.npy", "no array" ) ); }, { "g.npy", "no .npy file" } );
+	expectError( [&] { readNpy( write( "h.npy", npy( "<f8", "False", "1, 1", bytesOf( std::vector<double>{ NAN } ) ) ) ); },
+	    { "[0][0][0]", "finite" } );
+	EXPECT_EQ(
+	    readMatrix( write( "a.txt", "# OMPL\n0.1 0.2\n\n0.3,0.4 \n" ) ), ( Paths{ { { 0.1, 0.2 }, { 0.3, 0.4 } } } ) );
 	expectError( [&] { readMatrix( write( "b.txt", "0.1 0.2\n0.3\n" ) ); }, { "b.txt", "line 2", "1 numbers" } );
 }
 
 TEST_F( RefereeTest, FilesAreTakenForAnotherKind )
 {
 	EXPECT_TRUE( readItems( write( "r.json", R"({"A": [[1, 0], [0, 1]], "b": [1, 2]})" ) )[0].region );
-	const std::vector<Item> named = readItems( write( "n.yaml", "left: {A: [[1, 0]], b: [1]}\nright: {A: [[0, 1]], b: [2]}\n" ) );
+	const std::vector<Item> named =
+	    readItems( write( "n.yaml", "left: {A: [[1, 0]], b: [1]}\nright: {A: [[0, 1]], b: [2]}\n" ) );
 	ASSERT_EQ( named.size(), 2U );
 	EXPECT_EQ( named[1].name, "n.yaml right" );
 	EXPECT_EQ( named[1].region->b, std::vector<double>{ 2 } );
 	const std::vector<Item> listed =
 	    readItems( write( "l.json", R"({"joint_names": ["elbow", "shoulder"], "regions": [{"A": [[1, 0]], "b": [1]}]})" ) );
 	EXPECT_EQ( listed[0].region->joint_names[0], "elbow" );
-	EXPECT_EQ( readItems( write( "p.yaml", "joint_names: [shoulder, elbow]\npoints: [[0, 0], [1, 1]]\n" ) )[0].points.size(), 2U );
+	EXPECT_EQ(
+	    readItems( write( "p.yaml", "joint_names: [shoulder, elbow]\npoints: [[0, 0], [1, 1]]\n" ) )[0].points.size(), 2U );
 	EXPECT_EQ( readItems( write( "q.csv", "elbow,shoulder\n0,1\n1,1\n" ) )[0].points[0], ( std::vector<double>{ 0, 1 } ) );
 	EXPECT_TRUE( readItems( write( "t.csv", "time,shoulder,elbow\n0,0,1\n1,1,1\n" ) )[0].trajectory );
 	expectError( [&] { readItems( write( "x.json", R"({"A": [[1, 0], [0]], "b": [1, 2]})" ) ); }, { "x.json", "A[1]" } );
-	expectError( [&] { readItems( write( "y.json", R"({"bspline": {"order": 9, "knots": [], "control_points": [[0]]}})" ) ); }, { "order" } );
-	expectError( [&] { readItems( write( "z.json", R"({"regions": [{"A": [[1]], "b": [1]}, {"A": [[1]]}]})" ) ); }, { "no A and b" } );
+	expectError( [&]
+	    { readItems( write( "y.json", R"({"bspline": {"order": 9, "knots": [], "control_points": [[0]]}})" ) ); },
+	    { "order" } );
+	expectError( [&] { readItems( write( "z.json", R"({"regions": [{"A": [[1]], "b": [1]}, {"A": [[1]]}]})" ) ); },
+	    { "no A and b" } );
 }

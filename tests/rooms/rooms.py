@@ -62,6 +62,7 @@ HOUSES = [
         ("ik", "the library leeway::ik: goal states from poses of links"),
         ("certify", "the library leeway::certify: certificates of free motions; two checkers that share no code with it"),
         ("motions", "the library leeway::motions: files of paths and trajectories, roundings, audits with limits"),
+        ("referee", "verdicts on paths, trajectories and regions of other planners; their files"),
         ("pairs", "the library leeway::pairs: tables of link pairs, the SRDF made from them; reports on links and obstacles"),
         ("tune", "the library leeway::tune: states and motions that are measured, the settings, the choice"),
         ("tools", "programs of others: run without a shell, within limits; xacro files expanded"),

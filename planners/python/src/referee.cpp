@@ -69,8 +69,8 @@ std::vector<referee::Item> itemsOf( const PyChecker& checker, const nb::object& 
 	return { item };
 }
 
-nb::object judgeItems( const PyChecker& checker, const nb::object& given, double min_d, const std::string& check, double search,
-    double prove, const Whole& seed, const std::string& policy )
+nb::object judgeItems( const PyChecker& checker, const nb::object& given, double min_d, const std::string& check,
+    double search, double prove, const Whole& seed, const std::string& policy )
 {
 	if ( policy != "proved" && policy != "collision" )
 	{
@@ -93,8 +93,7 @@ nb::object judgeItems( const PyChecker& checker, const nb::object& given, double
 		for ( const referee::Item& item : items )
 		{
 			const referee::Ruling ruling = referee::judge( *checker.problem, *checker.model, item, settings );
-			rulings.push_back(
-			    toJson( ruling, policy == "proved" ? referee::Policy::proved : referee::Policy::collision ) );
+			rulings.push_back( toJson( ruling, policy == "proved" ? referee::Policy::proved : referee::Policy::collision ) );
 		}
 	}
 	return dictOf( rulings );
@@ -140,7 +139,8 @@ nb::bytes certificateOf( const PyChecker& checker, const nb::object& given, cons
 	certify::Certificate certificate;
 	{
 		const nb::gil_scoped_release unlocked;
-		certificate = certify::certify( *checker.problem, *checker.model, certify::piecesOf( *checker.problem, points ), settings, file );
+		certificate = certify::certify(
+		    *checker.problem, *checker.model, certify::piecesOf( *checker.problem, points ), settings, file );
 	}
 	return nb::bytes( certificate.bytes.data(), certificate.bytes.size() );
 }
@@ -151,9 +151,10 @@ void bindReferee( nb::class_<PyChecker>& type )
 {
 	type.def( "referee", &judgeItems, "item"_a, nb::kw_only(), "min_d"_a = 0.0, "check"_a = "both", "search"_a = 1.0,
 	    "prove"_a = 1.0, "seed"_a = 1, "policy"_a = "proved",
-	    nb::sig( "def referee(self, item: str | os.PathLike | numpy.typing.ArrayLike | tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike], *, "
-	             "min_d: float = 0.0, check: str = 'both', search: float = 1.0, prove: float = 1.0, seed: int = 1, policy: str = 'proved') -> "
-	             "list[dict[str, typing.Any]]" ),
+	    nb::sig(
+	        "def referee(self, item: str | os.PathLike | numpy.typing.ArrayLike | tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike], *, "
+	        "min_d: float = 0.0, check: str = 'both', search: float = 1.0, prove: float = 1.0, seed: int = 1, policy: str = 'proved') -> "
+	        "list[dict[str, typing.Any]]" ),
 	    "Judges results of other planners: the rulings of `leeway referee`.\n\n"
 	    "item: a file of paths, trajectories or regions, as that command reads; a path float64 [n, dof]; or (A, b), the region A q <= b, for which\n"
 	    "a colliding state is searched in `search` seconds; if there is none, boxes of it are proved in `prove` seconds. policy: what passes: 'proved',\n"
@@ -161,8 +162,9 @@ void bindReferee( nb::class_<PyChecker>& type )
 	    "worst also with depth [least, most]; region: the share that is proved. Raises InputError." );
 	type.def( "certificate", &certificateOf, "path"_a, nb::kw_only(), "min_d"_a = nb::none(), "check"_a = "both",
 	    "tolerance"_a = nb::none(), "sources"_a = std::vector<std::string>(), "seconds"_a = 60.0,
-	    nb::sig( "def certificate(self, path: str | os.PathLike | numpy.typing.ArrayLike, *, min_d: float | None = None, check: str = 'both', "
-	             "tolerance: numpy.typing.ArrayLike | None = None, sources: list[str] = [], seconds: float = 60.0) -> bytes" ),
+	    nb::sig(
+	        "def certificate(self, path: str | os.PathLike | numpy.typing.ArrayLike, *, min_d: float | None = None, check: str = 'both', "
+	        "tolerance: numpy.typing.ArrayLike | None = None, sources: list[str] = [], seconds: float = 60.0) -> bytes" ),
 	    "A certificate of a path, which leeway.certificate.check() and the programs beside it check: `leeway audit --certificate`.\n\n"
 	    "path: float64 [n, dof], or a path file. min_d: of the file unless given, else 0. tolerance: float64 [dof], deviations for which it holds.\n"
 	    "sources: files whose SHA-256 is stored. seconds: then it is an error. Raises InputError if the path is not free, and names the pair." );

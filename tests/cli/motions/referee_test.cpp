@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// leeway referee: several items at once, policies, result files, and what is refused.
+// leeway referee: several items at once, policies, result files, refusals.
 #include "cli_fixture.hpp"
 
 #include <nlohmann/json.hpp>
@@ -21,13 +21,16 @@ TEST_F( CliReferee, OneOfSeveralItemsDecidesForAll )
 {
 	write( "through.yaml", through );
 	write( "beside.yaml", beside );
-	write( "region.json", R"({"joint_names": ["shoulder", "elbow"], "A": [[1, 0], [-1, 0], [0, 1], [0, -1]], "b": [1.5, -1.3, 0.1, 0.1]})" );
-	const Outcome good = runModel(
-	    "referee", { "--item", "beside.yaml", "--item", "region.json", "--search", "0.1", "--prove", "20", "--group", "arm" }, "blocked.yaml" );
+	write( "region.json",
+	    R"({"joint_names": ["shoulder", "elbow"], "A": [[1, 0], [-1, 0], [0, 1], [0, -1]], "b": [1.5, -1.3, 0.1, 0.1]})" );
+	const Outcome good = runModel( "referee",
+	    { "--item", "beside.yaml", "--item", "region.json", "--search", "0.1", "--prove", "20", "--group", "arm" },
+	    "blocked.yaml" );
 	EXPECT_EQ( good.status, 0 ) << good.out << good.err;
 	EXPECT_TRUE( contains( good.out, "FREE      region     region.json: all of it is proved" ) ) << good.out;
 	EXPECT_TRUE( contains( good.out, "2 of 2 pass by --policy proved" ) ) << good.out;
-	const Outcome bad = runModel( "referee", { "--item", "beside.yaml", "--item", "through.yaml", "--json", "r.json", "--junit", "r.xml" }, "blocked.yaml" );
+	const Outcome bad = runModel( "referee",
+	    { "--item", "beside.yaml", "--item", "through.yaml", "--json", "r.json", "--junit", "r.xml" }, "blocked.yaml" );
 	EXPECT_EQ( bad.status, 1 ) << bad.err;
 	EXPECT_TRUE( contains( bad.out, "BLOCKED   path       through.yaml: collides from edge 1, t 0." ) ) << bad.out;
 	const nlohmann::json report = nlohmann::json::parse( readFile( path( "r.json" ) ) );
@@ -43,7 +46,8 @@ TEST_F( CliReferee, PoliciesAreMixedUp )
 	// Beyond the shoulder's limit, and free
 	write( "beyond.csv", "shoulder,elbow\n1.2,0\n9,0\n" );
 	const Outcome strict = runModel( "referee", { "--item", "beyond.csv", "--what", "env" }, "scene.yaml" );
-	const Outcome lenient = runModel( "referee", { "--item", "beyond.csv", "--what", "env", "--policy", "collision" }, "scene.yaml" );
+	const Outcome lenient =
+	    runModel( "referee", { "--item", "beyond.csv", "--what", "env", "--policy", "collision" }, "scene.yaml" );
 	EXPECT_EQ( strict.status, 1 ) << strict.out << strict.err;
 	EXPECT_TRUE( contains( strict.out, "above its limit" ) ) << strict.out;
 	EXPECT_TRUE( contains( lenient.out, "FREE" ) ) << lenient.out;
