@@ -200,13 +200,56 @@ TEST_F( RefereeTest, RandomRegionsWithACollisionAreProvedOrStatesOutsideAreBlame
 	EXPECT_GT( free, 5U );
 }
 
+TEST_F( RefereeTest, ProofsOfBoxesLeaveCollidingStatesOut )
+{
+	// The arm touches the post up to a shoulder of 0.078 rad
+	settings.region.search_seconds = 0;
+	settings.region.proof_seconds = 3;
+	Item item;
+	for ( const double sign : { -1.0, 1.0 } )
+	{
+		for ( const double turned : { 0.0, 0.6 } )
+		{
+			item.region = sign > 0 ? box( 0.07, 0.5, -0.1, 0.1 ) : box( -0.5, -0.07, -0.1, 0.1 );
+			item.region->a.push_back( { -sign * std::cos( turned ), std::sin( turned ) } ); // the same face, and one across
+			item.region->b.push_back( -0.07 * std::cos( turned ) );
+			EXPECT_NE( judged( item ).verdict, LW_VERDICT_FREE ) << sign << " " << turned;
+		}
+		item.region = sign > 0 ? box( 0.1, 0.5, -0.02, 0.02 ) : box( -0.5, -0.1, -0.02, 0.02 );
+		EXPECT_EQ( judged( item ).verdict, LW_VERDICT_FREE ) << sign;
+	}
+}
+
+TEST_F( RefereeTest, TheClearanceIsNotLessened )
+{
+	// The first free shoulder of a straight arm, and a region whose one corner is 0.1 mrad before it
+	double blocked = 0, open = 0.5;
+	while ( open - blocked > 1e-9 )
+	{
+		const double middle = 0.5 * ( blocked + open );
+		( collides( { middle, 0 } ) ? blocked : open ) = middle;
+	}
+	Item item;
+	item.region = box( blocked - 1e-4, 2.0, -2.0, 1e-3 );
+	item.region->a.push_back( { -1, -1 } );
+	item.region->b.push_back( -blocked );
+	for ( settings.region.seed = 1; settings.region.seed < 6; ++settings.region.seed )
+	{
+		const Ruling ruling = judged( item );
+		EXPECT_EQ( ruling.verdict, LW_VERDICT_BLOCKED );
+		EXPECT_LT( ruling.region.states, 400U );
+	}
+}
+
 TEST_F( RefereeTest, ColumnsInAnotherOrderAreTakenForTheGroups )
 {
 	Item item;
-	Region region = box( -0.2, 0.2, 1.0, 1.5 ); // of elbow and shoulder: the arm is beside the post
-	region.joint_names = { "elbow", "shoulder" };
+	Region region = box( -0.3, -0.2, 0.1, 0.2 ); // of elbow and shoulder: the fore arm is in the post
+	settings.region.search_seconds = 0.2;
 	item.region = region;
 	EXPECT_NE( judged( item ).verdict, LW_VERDICT_BLOCKED );
+	item.region->joint_names = { "elbow", "shoulder" };
+	EXPECT_EQ( judged( item ).verdict, LW_VERDICT_BLOCKED );
 	item.region->joint_names = { "shoulder", "wrist" };
 	expectError( [&] { judged( item ); }, { "regions.json", "lacks joint 'elbow'" } );
 	item.region = box( 4, 5, 0, 1 );
