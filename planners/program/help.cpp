@@ -39,9 +39,7 @@ const char* const about =
 Examples:
   leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm
   leeway pairs --robot arm.urdf --srdf arm.srdf --out new.srdf
-  leeway spherize --robot arm.urdf --srdf arm.srdf --excess 10 --out spheres
   leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out out.csv
-  leeway edge --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --edges edges.csv
   leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --out path.yaml
   leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml
   leeway referee --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --item path.npy --item regions.json

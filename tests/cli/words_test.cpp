@@ -147,7 +147,7 @@ TEST_F( CliWords, AnUnknownSubcommandIsNamedWithTheNearest )
 TEST_F( CliWords, HelpFitsAScreenAndHelpAllListsTheRest )
 {
 	for ( const char* command :
-	    { "", "info", "pairs", "cache", "spherize", "check", "edge", "plan", "audit", "tune", "world", "view" } )
+	    { "", "info", "pairs", "cache", "spherize", "check", "edge", "plan", "audit", "referee", "tune", "world", "view" } )
 	{
 		const auto help = [&]( const char* flag ) { return *command == '\0' ? run( { flag } ) : run( { command, flag } ); };
 		const Outcome brief = help( "--help" ), all = help( "--help-all" );
