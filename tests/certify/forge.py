@@ -36,7 +36,7 @@ def some_shape(rng, kinds):
             shape["numbers"] = [rng.uniform(0.3, 1) * size * s for signs in ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)) for s in signs]
             shape["corners"] = [0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2]
     elif kind == judge.BALLS:
-        shape["numbers"] = [x for _ in range(rng.choice([1, 2, 4, 9])) for x in (*(rng.uniform(-size, size) for _ in range(3)), rng.uniform(0.1, 0.6) * size)]
+        shape["numbers"] = [x for _ in range(rng.choice([1, 2, 4, 9])) for x in (*(rng.uniform(-size, size) for _ in range(3)), 10 ** rng.uniform(-2, 0) * size)]
     elif kind == judge.BOXES:
         for _ in range(rng.choice([1, 2, 3, 8])):
             low = [rng.uniform(-size, 0.5 * size) for _ in range(3)]

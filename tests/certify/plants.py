@@ -47,7 +47,7 @@ IN_C = [
     ("offset", "checked( l->offset + (", "checked( 0 + ("),
     ("radius of triangles", "fmax( dot( corner( s, e, 1 ), n ), dot( corner( s, e, 2 ), n ) ) ) + s->radius * size", "fmax( dot( corner( s, e, 1 ), n ), dot( corner( s, e, 2 ), n ) ) )"),
     ("third corner", "dot( corner( s, e, 2 ), n ) ) ) + s->radius", "dot( corner( s, e, 1 ), n ) ) ) + s->radius"),
-    ("ball of a range", "norm( sub( b->middle, r->middle ) ) + b->radius ) )", "0 ) )"),
+    ("balls of a range", "sub( a->middle, r->middle ) ) + a->radius, norm( sub( b->middle, r->middle ) ) + b->radius", "sub( a->middle, r->middle ) ), norm( sub( b->middle, r->middle ) )"),
     ("box of a range", "fmax( a_high.y, b_high.y )", "a_high.y"),
     ("inside of a half-space", "b->shape->kind == PLANE ? fabs( gap ) : gap", "fabs( gap )"),
     ("side of a half-space", "b->shape->kind == PLANE && dot( n, y.pose.c[2] ) > 0", "dot( n, y.pose.c[2] ) > 0"),
