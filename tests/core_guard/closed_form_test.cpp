@@ -168,6 +168,7 @@ TEST( Guard, ABudgetThatEndsReadsAsFree )
 	Rail rail;
 	lw_guard_def def = guardOf( rail.checker.get(), 2 );
 	double time = 0;
+	def.window = 0.25;
 	def.microseconds = ten; // each look at it takes ten
 	def.user = &time;
 	const GuardPtr guard = makeGuard( def, rail.clock );

@@ -16,7 +16,7 @@ enum
 lw_guard_def lw_guard_def_default( void )
 {
 	return ( lw_guard_def ){ .timed = lw_timed_def_default(),
-		.window = 0.25,
+		.window = 1,
 		.braking = LW_INVALID_INDEX,
 		.cookie = GUARD_COOKIE };
 }
