@@ -50,7 +50,7 @@ std::vector<TimedWay> waysOf( const Settings& s )
 	return ways;
 }
 
-/// What a way did in the cells of a kind.
+/// Results of a way in the cells of a kind.
 struct CellTally
 {
 	std::size_t problems = 0, solved = 0, free = 0, blocked = 0, undecided = 0;

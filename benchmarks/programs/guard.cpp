@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A motion that runs while one object moves: the guard's answer, a proof of what is left from nothing, and states at steps of 1 cm.
+// A motion that runs while one object moves: the guard's answer, a proof of the rest from nothing, and states at steps of 1 cm.
 //
 // Panda in MotionBenchMaker's scenes, and ARMAR-III's right arm in the cluttered kitchen. Of the times of the guard the writer's part is a row of its own: it
-// runs on another thread. Exit status 1 if the guard says FREE and the whole proof BLOCKED, or the other way round.
+// runs on another thread. A stop: 20 ms of reaction, then 5 rad/s^2. Exit status 1 if the guard says FREE and the whole proof BLOCKED, or the other way round.
 #include "leeway/guard.h"
 #include "programs/commands.hpp"
 #include "support/edge_worlds.hpp"
@@ -110,7 +110,7 @@ leeway::Scene shifted( const lw_scene* scene, SeededRng& rng )
 	return leeway::Scene::adopt( moved );
 }
 
-/// What is left of the motion, by states.
+/// The rest of the motion, by states.
 bool seemsFree( const lw_checker* checker, lw_query* query, const OwnedTrack& track, double now )
 {
 	lw_edge_def steps = lw_edge_def_default();
@@ -156,6 +156,10 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 	def.checker = world.with_tables.get();
 	def.clock = &view;
 	def.end = end;
+	const std::vector<double> deceleration( clock.tracks[0].variables.size(), 5 );
+	def.braking = 0;
+	def.deceleration = deceleration.data();
+	def.reaction = 0.02;
 	lw_guard* made = nullptr;
 	leeway::require( lw_guard_create( &def, nullptr, nullptr, &made ), "lw_guard_create" );
 	const std::unique_ptr<lw_guard, GuardReleaser> guard( made );
@@ -174,6 +178,18 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 		    } ) );
 		times.of["guard"].push_back( microseconds(
 		    [&] { leeway::require( lw_guard_ask( guard.get(), from, INFINITY, &answer ), "lw_guard_ask" ); } ) );
+		lw_guard_answer stop;
+		times.of["a stop"].push_back(
+		    microseconds( [&] { leeway::require( lw_guard_stop( guard.get(), from, &stop ), "lw_guard_stop" ); } ) );
+		if ( answer.verdict != LW_VERDICT_FREE )
+		{
+			double latest = 0;
+			times.of["latest order to stop"].push_back( microseconds(
+			    [&] {
+				    leeway::require(
+				        lw_guard_brake_by( guard.get(), from, answer.proved_until, 0.02, &latest ), "lw_guard_brake_by" );
+			    } ) );
+		}
 		lw_checker_edit_def edit = lw_checker_edit_def_default();
 		edit.scene = scene.get();
 		lw_checker* full = nullptr;

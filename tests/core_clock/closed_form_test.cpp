@@ -197,8 +197,8 @@ TEST( Clock, SpreadGrowsFromItsStart )
 	EXPECT_GT( blocked, 100 );
 }
 
-// What rests does not see whether a motion is late: the ball passes a block a hair away, at a speed at which its lag is decimetres.
-TEST( Clock, LagBesideThatWhichRestsTakesNothingOff )
+// A block at rest does not see whether a motion is late: the ball passes a block a hair away, at a speed at which its lag is decimetres.
+TEST( Clock, LagTakesOffBesideABlockAtRest )
 {
 	SeededRng rng;
 	const Crossing crossing( 0.5 );

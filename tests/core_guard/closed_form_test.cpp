@@ -85,7 +85,7 @@ TEST( Guard, AStaleSceneIsAnswered )
 	EXPECT_EQ( ask( guard.get(), 1.5 ).windows, 0u ); // known
 }
 
-// What came between the base of a world and that world may not be forgotten: two blocks come one after the other, the first blocks.
+// No change between the base of a world and that world may be forgotten: two blocks come one after the other, the first blocks.
 TEST( Guard, AChangeIsForgottenBecauseAnotherFollows )
 {
 	Rail rail;
@@ -111,7 +111,7 @@ TEST( Guard, AClockThatStepsBackReadsAsFree )
 	EXPECT_EQ( ask( guard.get(), 1.2 ).verdict, LW_VERDICT_FREE );
 	EXPECT_EQ( ask( guard.get(), 0.2 ).verdict, LW_VERDICT_BLOCKED );
 	EXPECT_EQ( ask( guard.get(), 1.2 ).verdict, LW_VERDICT_FREE );
-	// what is proved of the block is proved from 1.2 s on only, so it is no base for what changes beside it
+	// the block is proved from 1.2 s on only, so its scene is no base for changes beside it
 	ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), rail.withAnother( rail.scene( 0.5 ) ).get(), 2, nullptr ) );
 	EXPECT_EQ( ask( guard.get(), 0.2 ).verdict, LW_VERDICT_BLOCKED );
 }

@@ -11,7 +11,7 @@
 namespace
 {
 
-/// Counts what one thread asks of an allocator.
+/// Counts the calls of one thread.
 struct Watched
 {
 	std::atomic<std::thread::id> reader{};

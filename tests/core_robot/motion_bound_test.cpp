@@ -37,8 +37,20 @@ extern "C"
 	double lwi_motion_between( double chord, lwi_chord_error error, double path );
 	double lwi_motion_bound( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 	double lwi_motion_rounding( const void* scratch );
-	void lwi_motion_tolerate( const lwi_motion_table* table, void* scratch, const double* tolerance );
-	double lwi_motion_tube_of( const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
+	struct lwi_motion_late
+	{
+		const double* tolerance;
+		const uint32_t* tracks;
+	};
+	struct lwi_motion_tube
+	{
+		double timely, late;
+		uint32_t track;
+	};
+	void lwi_motion_tolerate(
+	    const lwi_motion_table* table, void* scratch, const double* tolerance, const lwi_motion_late* late );
+	lwi_motion_tube lwi_motion_tube_of(
+	    const lwi_motion_table* table, const void* scratch, uint32_t body, uint32_t ancestor );
 	double lwi_motion_largest_tube( const void* scratch );
 }
 
@@ -300,7 +312,7 @@ TEST( MotionBound, NoPointIsFartherFromItsPlaceOnTheEdgeThanTheTube )
 			tolerance[v] = quaternion || ( few && rng.integer( 0, 1 ) ) ? 0 : scale * rng.uniform( 0, 1 );
 		}
 		ASSERT_TRUE( lwi_motion_begin( motion.table, a.data(), b.data(), motion.scratch ) );
-		lwi_motion_tolerate( motion.table, motion.scratch, tolerance.data() );
+		lwi_motion_tolerate( motion.table, motion.scratch, tolerance.data(), nullptr );
 		const double measured = rng.uniform( 0, 1 );
 		const std::vector<lw_transform> pose = posesAt( robot.get(), a, b, measured );
 		lwi_motion_place( motion.table, motion.scratch, pose.data() );
@@ -310,7 +322,7 @@ TEST( MotionBound, NoPointIsFartherFromItsPlaceOnTheEdgeThanTheTube )
 		{
 			lwi_motion_measure_body( motion.table, motion.scratch, body, pose.data(), share );
 			const std::uint32_t ancestor = randomAncestor( rng, robot.get(), model.bodies[body].link );
-			const double tube = lwi_motion_tube_of( motion.table, motion.scratch, body, ancestor );
+			const double tube = lwi_motion_tube_of( motion.table, motion.scratch, body, ancestor ).timely;
 			EXPECT_LE( tube, lwi_motion_largest_tube( motion.scratch ) );
 			double farthest = 0;
 			for ( int k = 0; k < 8; ++k )

@@ -336,7 +336,7 @@ TEST( TimedPlanner, ALateControllerIsProvedUntilItArrives )
 }
 
 // The start and the goal touch nearly a block, and the controller is late by decimetres: the block does not see how late.
-TEST( TimedPlanner, ALateControllerStartsBesideWhatRests )
+TEST( TimedPlanner, ALateControllerStartsBesideABlock )
 {
 	const RobotPtr robot = balls( 1 );
 	const ShapePtr block( primitive( LW_SHAPE_BOX, 1, 1, 1 ) );

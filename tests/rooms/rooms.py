@@ -42,6 +42,7 @@ HOUSES = [
         ("checker", "one group of one robot in one scene: states"),
         ("motion", "are all states of an edge free?"),
         ("near", "all near pairs of a state, directions and derivatives"),
+        ("guard", "a motion that runs while scenes change"),
         ("approximate", "simplification, enclosing spheres: offline, no room includes it"),
         ("blob", "shapes and reachability as bytes"),
     ], "core/CMakeFiles/leeway_core.dir/src"),

@@ -24,7 +24,7 @@ typedef struct lw_track
 	const lw_timed_piece* pieces; ///< [piece_count] in the order of time; each begins where or after the one before ends
 	uint32_t piece_count;         ///< >= 1
 	/// Seconds, >= 0: the controller may be early or late by up to this, at each time differently, with all variables of the track alike.
-	/// Beside what rests, and between bodies of this track, that takes no clearance off. Joints that are late each by itself are within a
+	/// Beside bodies at rest, and between bodies of this track, that takes no clearance off. Joints that are late each by itself are within a
 	/// `tolerance`.
 	double lag;
 	/// Deviation of the controller at all times, beyond the lag. [variable_count] radians and metres, >= 0, 0 for quaternions. NULL: 0.

@@ -62,9 +62,9 @@ typedef struct lw_guard_answer
 	uint32_t windows;  ///< proved or tried in this call
 } lw_guard_answer;
 
-/// Reader: is the motion still free from now on? What is proved stays known: a call after an unchanged scene costs nothing, one after
+/// Reader: is the motion still free from now on? Proofs stay known: a call after an unchanged scene costs nothing, one after
 /// a change proves the pairs that changed.
-/// @param now seconds on the clock, finite. Earlier than in the call before: what had been proved is proved again
+/// @param now seconds on the clock, finite. Earlier than in the call before: all is proved again
 /// @param budget microseconds, > 0; INFINITY: until all is known
 /// @return LW_OK, LW_ERROR_INVALID_ARGUMENT (also: a budget without a clock), or that of lw_checker_timed(): verdict UNKNOWN
 LW_API lw_status lw_guard_ask( lw_guard* guard, double now, double budget, lw_guard_answer* out );

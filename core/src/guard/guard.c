@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A motion that runs, and scenes that change: what is known stays known, only changed pairs are proved again. Derivation: core/docs/guard.md.
+// A motion that runs, and scenes that change: only changed pairs are proved again. Derivation: core/docs/guard.md.
 #include "guard/guard.h"
 #include "base/math_inline.h"
 #include "checker/checker.h"
@@ -15,10 +15,8 @@ enum
 
 lw_guard_def lw_guard_def_default( void )
 {
-	return ( lw_guard_def ){ .timed = lw_timed_def_default(),
-		.window = 1,
-		.braking = LW_INVALID_INDEX,
-		.cookie = GUARD_COOKIE };
+	return (
+		lw_guard_def ){ .timed = lw_timed_def_default(), .window = 1, .braking = LW_INVALID_INDEX, .cookie = GUARD_COOKIE };
 }
 
 // ---- making ----------------------------------------------------------------------------------------------------------

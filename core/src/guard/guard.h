@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The inside of a guard: worlds that a writer fills and a reader looks at, and what the reader knows. guard/guard.c, guard/stop.c.
+// The inside of a guard: worlds that a writer fills, and the reader with its knowledge. guard/guard.c, guard/stop.c.
 #ifndef LEEWAY_GUARD_GUARD_H
 #define LEEWAY_GUARD_GUARD_H
 
@@ -55,7 +55,7 @@ struct lw_guard
 	bool is_known;                 ///< a state at proved_to was proved
 	bool needs_all;                ///< all pairs, not only those that changed
 	bool is_stuck;
-	lw_timed_result stuck; ///< what ended the proof
+	lw_timed_result stuck; ///< the answer at the end of the proof
 	double base_from;      ///< seconds: every world that was proved until the end was proved from here on
 };
 

@@ -326,7 +326,7 @@ static void find_first_contact( lwi_timed* w, double resolution )
 	*out = contact;
 }
 
-/// What tracks do before and behind the interval, and may do in it by being late or early. A contact there is none of the tracks.
+/// The tracks before and behind the interval: they may be there in it by being late or early. A contact there is none of the tracks.
 static bool prove_outside( lwi_timed* w )
 {
 	return ( w->begin == w->start || prove( w, w->begin, w->start ) ) &&

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tracks of a clock: what they do at a time, how far lags and spreads bring bodies from them, and whether they are usable.
+// Tracks of a clock: their pieces, deviations by lags and spreads, and checks.
 #ifndef LEEWAY_MOTION_TRACKS_H
 #define LEEWAY_MOTION_TRACKS_H
 

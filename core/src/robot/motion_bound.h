@@ -68,7 +68,7 @@ enum
 	LWI_TWO_TRACKS = LW_INVALID_INDEX - 1
 };
 
-/// Variables on tracks, each with a clock of its own that may be late. What one track moves is late as one, and goes through the
+/// Variables on tracks, each with a clock of its own that may be late. The bodies of one track are late as one, and goes through the
 /// same states later; so only bodies that two tracks move, or of which each has its own, see each other elsewhere.
 typedef struct lwi_motion_late
 {
