@@ -369,9 +369,10 @@ double lwi_motion_any_tube( const lwi_motion_table* table, const void* scratch, 
 	return tube * LWI_MOTION_OUTWARD * LWI_MOTION_OUTWARD; // beyond its parts
 }
 
+/// @param joint that moves: one without variables of its own follows that of another joint
 static uint32_t track_of_joint( const lw_robot* robot, uint32_t joint, const uint32_t* tracks )
 {
-	const uint32_t count = lw_robot_joint_variable_count( robot, joint );
+	const uint32_t own = lw_robot_joint_variable_count( robot, joint ), count = own > 0 ? own : 1;
 	uint32_t track = LWI_NO_TRACK;
 	for ( uint32_t k = 0; k < count; ++k )
 	{
