@@ -61,7 +61,7 @@ private:
 	};
 
 	void addControllers();
-	/// What is planned, from now on. @param states [times] all variables of each; a single one rests
+	/// Replaces the planned motion. @param states [times] all variables of each; a single state rests
 	void setPlanned( const std::vector<double>& times, const double* states );
 	bool isMomentFree( double time );
 	bool seemsFree( double from, double to );

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A guard, its motion, and the scenes that it is told of.
+// A guard, its motion, and its answers.
 #pragma once
 
 #include "clock_world.hpp"

@@ -19,10 +19,10 @@ typedef struct lw_guard_def
 	double end;                ///< seconds: the motion is guarded until then
 	lw_timed_def timed;        ///< of all proofs. contact_resolution: of the first contact
 	double window;             ///< seconds, > 0: proved at a time. An answer is late by the proof of one window at most
-	/// The track that brakes; LW_INVALID_INDEX: none, and no stops are asked for.
+	/// The track that brakes; LW_INVALID_INDEX: none, lw_guard_stop() is then an error.
 	uint32_t braking;
 	const double* deceleration; ///< [variable_count of that track] radians and metres per squared second, > 0; copied
-	double reaction;            ///< seconds, >= 0: the robot follows its motion so long after it is told to stop
+	double reaction;            ///< seconds, >= 0: from the order to stop until the robot begins to brake
 	uint32_t spare_shapes;      ///< scenes may have so many shapes more than that of the checker
 	/// Microseconds of a clock that never goes back, for budgets; called on the reader's thread. NULL: budgets must be infinite.
 	double ( *microseconds )( void* user );
@@ -78,7 +78,7 @@ LW_API lw_status lw_guard_stop( lw_guard* guard, double from, lw_guard_answer* o
 /// Reader: until when may the order to stop wait? The latest of the times now + k * step, up to `until`, at which the motion is still
 /// proved and a stop is proved. Call it after lw_guard_ask(), with its proved_until.
 /// @param out_time seconds; NaN: no stop is proved, not even now
-/// Cost: a stop for each time that is looked at: from the last one backwards.
+/// Cost: one lw_guard_stop() for each of these times, from the last one backwards.
 LW_API lw_status lw_guard_brake_by( lw_guard* guard, double now, double until, double step, double* out_time );
 
 LW_EXTERN_C_END

@@ -139,7 +139,9 @@ lw_status lw_guard_create( const lw_guard_def* def, const lw_allocator* allocato
 	g->def = *def;
 	lay_out( def, g );
 	g->worlds[0].full = lw_checker_retain( def->checker );
-	g->def.checker = g->worlds[0].full;
+	g->def.checker = NULL; // of the caller's arrays only copies are used from here on
+	g->def.clock = NULL;
+	g->def.deceleration = NULL;
 	atomic_init( &g->newest, 0 );
 	atomic_init( &g->reading, LWI_NO_WORLD );
 	atomic_init( &g->bound, LWI_NO_WORLD );

@@ -51,7 +51,7 @@ typedef struct lwi_timed
 	lw_status status;
 } lwi_timed;
 
-/// Where a track is looked at on parts before and behind the interval: no earlier and no later than its lag allows there.
+/// The time at which a track is evaluated: before and behind the interval no farther from it than its lag.
 static double own_time( const lwi_timed* w, const lw_track* track, double time )
 {
 	return lwi_clamp( time, w->start - track->lag, w->end + track->lag );
