@@ -81,6 +81,45 @@ LW_API lw_status lw_guard_stop( lw_guard* guard, double from, lw_guard_answer* o
 /// Cost: one lw_guard_stop() for each of these times, from the last one backwards.
 LW_API lw_status lw_guard_brake_by( lw_guard* guard, double now, double until, double step, double* out_time );
 
+/// Speed and separation: the robot slows down before people come too near (ISO/TS 15066:2016, 5.5.4; ISO 13855:2010).
+typedef struct lw_separation
+{
+	double
+		speed; ///< metres per second, >= 0: no point of an object of the scene is faster. 1.6; 2 for hands and arms (K, v_h)
+	double intrusion; ///< metres, >= 0: kept at all times; of reach and of the errors of sensor and robot (C + Z_d + Z_r)
+	double
+		reaction; ///< seconds, >= 0: from `now` until the robot begins to brake, the time until the next call included (T_r)
+	double deceleration; ///< per second, > 0: the scale falls at least as fast when the robot brakes on its tracks; 1
+	uint32_t grid;       ///< 1 to 1,024: scales are multiples of highest / grid; 64
+	uint32_t cookie;
+} lw_separation;
+
+LW_API lw_separation lw_separation_default( void );
+
+typedef struct lw_guard_scale
+{
+	double scale; ///< 0: none is proved, brake; else proved
+	double
+		separation; ///< metres: exceeded by all clearances of bodies and objects from now until `until`; NaN without a scale
+	double until;   ///< seconds on the clock: no farther the robot comes before it stands
+	uint64_t stamp; ///< of the scene
+	lw_timed_result next; ///< of the least scale that was tried and not proved: which pair decides, and where. UNKNOWN: none
+	uint32_t proofs;
+} lw_guard_scale;
+
+/// Reader: how fast may the robot go on? All tracks go on along the same path at the same scale of their speeds, of which 1 is that of the clock. If
+/// from `now` on the scale is at most out->scale, and falls from now + reaction on until the robot stands, no object of the scene comes as near
+/// as `intrusion` until it stands, however the objects move with at most `speed`. Give people a guard of their own: all objects count.
+/// In a cycle of at most `reaction`: go on at the answered scale; if the robot is faster, brake until an answer allows the scale that it has.
+/// @param now seconds on the clock: where the robot is
+/// @param age seconds, >= 0, since the scene was seen; so long ago the objects were at their places
+/// @param highest > 0: no larger scale is tried
+/// @param budget as for lw_guard_ask(): after it the largest scale that was proved until then
+/// @return as lw_guard_ask(); LW_ERROR_INVALID_ARGUMENT also if a track spreads. On an error the scale is 0
+/// Cost: up to 1 + log2( grid ) proofs of the part of the motion until it stands. Derivation: core/docs/guard.md.
+LW_API lw_status lw_guard_speed( lw_guard* guard, const lw_separation* def, double now, double age, double highest,
+	double budget, lw_guard_scale* out );
+
 LW_EXTERN_C_END
 
 #endif

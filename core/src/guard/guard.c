@@ -285,12 +285,22 @@ lw_guard_answer lwi_guard_no_answer( double now )
 }
 
 lw_status lwi_guard_prove( lw_guard* g, const lw_checker* checker, const lw_clock* clock, double from, double to,
-	lw_timed_result* out )
+	const lw_timed_def* def, lw_timed_result* out )
 {
-	const lw_status status = lw_checker_timed( checker, g->query, clock, from, to, &g->def.timed, out );
+	const lw_status status = lw_checker_timed( checker, g->query, clock, from, to, def, out );
 	atomic_store( &g->bound,
 		atomic_load( &g->reading ) ); // the query let go of the one before, which the writer kept until now
 	return status;
+}
+
+double lwi_guard_began( const lw_guard* g, double budget )
+{
+	return budget < INFINITY ? g->def.microseconds( g->def.user ) : 0;
+}
+
+bool lwi_guard_is_over( const lw_guard* g, double began, double budget )
+{
+	return budget < INFINITY && g->def.microseconds( g->def.user ) - began >= budget;
 }
 
 void lwi_guard_take( const lw_timed_result* r, lw_guard_answer* out )
@@ -335,12 +345,12 @@ static lw_status work_on( lw_guard* g, double end, double began, double budget, 
 	const lwi_world* world = &g->worlds[g->work];
 	const lw_checker* checker = g->needs_all ? world->full : world->changes;
 	lw_status status = LW_OK;
-	while ( status == LW_OK && ( g->proved_to < end || !g->is_known ) && !g->is_stuck &&
-			!( budget < INFINITY && g->def.microseconds( g->def.user ) - began >= budget ) )
+	while (
+		status == LW_OK && ( g->proved_to < end || !g->is_known ) && !g->is_stuck && !lwi_guard_is_over( g, began, budget ) )
 	{
 		const double to = lwi_smaller( g->proved_to + g->def.window, end );
 		lw_timed_result r;
-		status = lwi_guard_prove( g, checker, &g->clock, g->proved_to, to, &r );
+		status = lwi_guard_prove( g, checker, &g->clock, g->proved_to, to, &g->def.timed, &r );
 		++out->windows;
 		g->is_known = status == LW_OK && r.verdict == LW_VERDICT_FREE;
 		g->is_stuck = status == LW_OK && !g->is_known;
@@ -365,7 +375,7 @@ lw_status lw_guard_ask( lw_guard* g, double now, double budget, lw_guard_answer*
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
-	const double began = budget < INFINITY ? g->def.microseconds( g->def.user ) : 0;
+	const double began = lwi_guard_began( g, budget );
 	if ( !lwi_guard_hold( g ) )
 	{
 		out->verdict = LW_VERDICT_UNDECIDED;

@@ -61,7 +61,13 @@ struct lw_guard
 
 /// Asks the core about a part of a motion in the world that is held.
 lw_status lwi_guard_prove( lw_guard* guard, const lw_checker* checker, const lw_clock* clock, double from, double to,
-	lw_timed_result* out );
+	const lw_timed_def* def, lw_timed_result* out );
+
+/// Has a time since `began` passed?
+bool lwi_guard_is_over( const lw_guard* guard, double began, double budget );
+
+/// Of the guard's clock, if a budget needs it.
+double lwi_guard_began( const lw_guard* guard, double budget );
 
 /// Takes hold of the newest world. @return false: none is known
 bool lwi_guard_hold( lw_guard* guard );

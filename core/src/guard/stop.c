@@ -124,7 +124,7 @@ lw_status lw_guard_stop( lw_guard* g, double from, lw_guard_answer* out )
 	const lwi_world* world = &g->worlds[atomic_load( &g->reading )];
 	const double stands = make_stop( g, from );
 	lw_timed_result r;
-	const lw_status status = lwi_guard_prove( g, world->full, &g->stop.clock, from, stands, &r );
+	const lw_status status = lwi_guard_prove( g, world->full, &g->stop.clock, from, stands, &g->def.timed, &r );
 	out->stamp = world->stamp;
 	out->windows = 1;
 	if ( status != LW_OK )
