@@ -166,6 +166,7 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 	const leeway::Query query = leeway::makeQuery( world.with_tables.get() );
 	lw_guard_answer answer;
 	leeway::require( lw_guard_ask( guard.get(), 0, INFINITY, &answer ), "lw_guard_ask" );
+	leeway::Checker now = world.with_tables;
 	for ( int i = 1; i <= changes; ++i )
 	{
 		const leeway::Scene scene = shifted( world.scene.get(), rng );
@@ -173,8 +174,13 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 		times.of["publish (writer)"].push_back( microseconds(
 		    [&]
 		    {
+			    lw_checker_edit_def edit = lw_checker_edit_def_default();
+			    edit.scene = scene.get();
+			    lw_checker* edited = nullptr;
+			    leeway::require( lw_checker_edit( now.get(), &edit, nullptr, nullptr, &edited ), "lw_checker_edit" );
+			    now = leeway::Checker::adopt( edited );
 			    leeway::require(
-			        lw_guard_publish( guard.get(), scene.get(), static_cast<std::uint64_t>( i ), nullptr ), "publish" );
+			        lw_guard_publish( guard.get(), now.get(), static_cast<std::uint64_t>( i ), nullptr ), "publish" );
 		    } ) );
 		times.of["guard"].push_back( microseconds(
 		    [&] { leeway::require( lw_guard_ask( guard.get(), from, INFINITY, &answer ), "lw_guard_ask" ); } ) );

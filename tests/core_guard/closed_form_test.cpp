@@ -51,7 +51,7 @@ struct Rail
 	}
 	lw_status publish( lw_guard* guard, double x, std::uint64_t stamp ) const
 	{
-		return lw_guard_publish( guard, scene( x ).get(), stamp, nullptr );
+		return lw_guard_publish( guard, inScene( checker.get(), scene( x ).get() ).get(), stamp, nullptr );
 	}
 };
 
@@ -78,7 +78,7 @@ TEST( Guard, AStaleSceneIsAnswered )
 	EXPECT_LE( blocked.time - blocked.proved_until, 1e-3 );
 	EXPECT_EQ( ask( guard.get(), 1.25 ).verdict, LW_VERDICT_BLOCKED ); // and is kept
 	EXPECT_EQ( ask( guard.get(), 1.25 ).windows, 0u );
-	ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), nullptr, 8, nullptr ) );
+	ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), inScene( rail.checker.get(), nullptr ).get(), 8, nullptr ) );
 	const lw_guard_answer free = ask( guard.get(), 1.26 );
 	EXPECT_EQ( free.verdict, LW_VERDICT_FREE );
 	EXPECT_EQ( free.stamp, 8u );
@@ -92,14 +92,84 @@ TEST( Guard, AChangeIsForgottenBecauseAnotherFollows )
 	const GuardPtr guard = makeGuard( guardOf( rail.checker.get(), 2 ), rail.clock );
 	EXPECT_EQ( ask( guard.get(), 0 ).verdict, LW_VERDICT_FREE );
 	const leeway::Scene first = rail.scene( 1.5 );
-	ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), first.get(), 1, nullptr ) );
+	ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), inScene( rail.checker.get(), first.get() ).get(), 1, nullptr ) );
 	EXPECT_EQ( ask( guard.get(), 0 ).verdict, LW_VERDICT_BLOCKED );
 	const leeway::Scene second = rail.withAnother( first );
 	for ( std::uint64_t stamp = 2; stamp < 20; ++stamp ) // worlds are used again
 	{
-		ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), second.get(), stamp, nullptr ) );
+		ASSERT_EQ(
+		    LW_OK, lw_guard_publish( guard.get(), inScene( rail.checker.get(), second.get() ).get(), stamp, nullptr ) );
 		EXPECT_EQ( stamp % 3 == 0 || ask( guard.get(), 0 ).verdict == LW_VERDICT_BLOCKED, true );
 	}
+}
+
+// The ball passes the block beside the rail at 0.05 m.
+TEST( Guard, AMarginThatGrewReadsAsFree )
+{
+	Rail rail;
+	lw_transform beside = lw_transform_identity();
+	beside.t[0] = 1.5;
+	beside.t[1] = 0.25;
+	const leeway::Checker checker = inScene( rail.checker.get(), oneObstacle( rail.block.get(), beside ).get() );
+	const GuardPtr guard = makeGuard( guardOf( checker.get(), 2 ), rail.clock );
+	EXPECT_EQ( ask( guard.get(), 0 ).verdict, LW_VERDICT_FREE );
+	const auto edited = [&]( const lw_margins* margins, bool only_changes )
+	{
+		lw_checker_edit_def edit = lw_checker_edit_def_default();
+		edit.margins = margins;
+		edit.only_changes = only_changes;
+		lw_checker* made = nullptr;
+		EXPECT_EQ( LW_OK, lw_checker_edit( checker.get(), &edit, nullptr, nullptr, &made ) );
+		return leeway::Checker::adopt( made );
+	};
+	const double object = 0.06;
+	lw_margins margins = {};
+	margins.object = &object;
+	ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), edited( &margins, false ).get(), 1, nullptr ) );
+	EXPECT_EQ( ask( guard.get(), 0 ).verdict, LW_VERDICT_BLOCKED );
+	ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), checker.get(), 2, nullptr ) );
+	EXPECT_EQ( ask( guard.get(), 0 ).verdict, LW_VERDICT_FREE );
+	// a checker that lacks pairs is none of a world
+	lw_diag diag = {};
+	EXPECT_EQ( lw_guard_publish( guard.get(), edited( &margins, true ).get(), 3, &diag ), LW_ERROR_INVALID_ARGUMENT );
+	EXPECT_EQ( ask( guard.get(), 0 ).verdict, LW_VERDICT_UNDECIDED );
+}
+
+// With a block in tow that is wider than the ball: beside the rail is another one, 0.05 m from the ball.
+TEST( Guard, AnAttachedObjectIsForgotten )
+{
+	Rail rail;
+	lw_transform beside = lw_transform_identity();
+	beside.t[0] = 1.5;
+	beside.t[1] = 0.25;
+	const leeway::Checker checker = inScene( rail.checker.get(), oneObstacle( rail.block.get(), beside ).get() );
+	lw_guard_def def = guardOf( checker.get(), 2 );
+	def.spare_bodies = 1;
+	const GuardPtr guard = makeGuard( def, rail.clock );
+	EXPECT_EQ( ask( guard.get(), 0 ).verdict, LW_VERDICT_FREE );
+	const ShapePtr wide( primitive( LW_SHAPE_BOX, 0.1, 0.4, 0.1 ) );
+	lw_attachment_def attached = lw_attachment_def_default();
+	const lw_shape* shape = wide.get();
+	lw_transform at = lw_transform_identity();
+	attached.name = "wide";
+	attached.link = 1;
+	attached.shapes = &shape;
+	attached.link_from_shape = &at;
+	attached.shape_count = 1;
+	lw_robot* robot = nullptr;
+	lw_diag diag = {};
+	ASSERT_EQ( LW_OK, lw_robot_attach( rail.robot.get(), &attached, nullptr, &diag, &robot ) ) << diag.message;
+	const RobotPtr holding( robot );
+	lw_checker_edit_def edit = lw_checker_edit_def_default();
+	edit.robot = holding.get();
+	lw_checker* made = nullptr;
+	ASSERT_EQ( LW_OK, lw_checker_edit( checker.get(), &edit, nullptr, &diag, &made ) ) << diag.message;
+	const leeway::Checker with = leeway::Checker::adopt( made );
+	ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), with.get(), 1, &diag ) ) << diag.message;
+	EXPECT_EQ( ask( guard.get(), 0 ).verdict, LW_VERDICT_BLOCKED );
+	const GuardPtr narrow = makeGuard( guardOf( checker.get(), 2 ), rail.clock );
+	EXPECT_EQ( lw_guard_publish( narrow.get(), with.get(), 1, &diag ), LW_ERROR_INVALID_ARGUMENT );
+	EXPECT_NE( std::string( diag.message ).find( "spare_bodies" ), std::string::npos ) << diag.message;
 }
 
 TEST( Guard, AClockThatStepsBackReadsAsFree )
@@ -112,7 +182,8 @@ TEST( Guard, AClockThatStepsBackReadsAsFree )
 	EXPECT_EQ( ask( guard.get(), 0.2 ).verdict, LW_VERDICT_BLOCKED );
 	EXPECT_EQ( ask( guard.get(), 1.2 ).verdict, LW_VERDICT_FREE );
 	// the block is proved from 1.2 s on only, so its scene is no base for changes beside it
-	ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), rail.withAnother( rail.scene( 0.5 ) ).get(), 2, nullptr ) );
+	ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(),
+	                      inScene( rail.checker.get(), rail.withAnother( rail.scene( 0.5 ) ).get() ).get(), 2, nullptr ) );
 	EXPECT_EQ( ask( guard.get(), 0.2 ).verdict, LW_VERDICT_BLOCKED );
 }
 
@@ -200,7 +271,8 @@ TEST( Guard, ASceneThatCouldNotBePublishedReadsAsFree )
 	ASSERT_EQ( LW_OK, lw_scene_create( &many, nullptr, nullptr, &made ) );
 	const leeway::Scene scene = leeway::Scene::adopt( made );
 	lw_diag diag = {};
-	EXPECT_EQ( lw_guard_publish( guard.get(), scene.get(), 1, &diag ), LW_ERROR_INVALID_ARGUMENT );
+	EXPECT_EQ( lw_guard_publish( guard.get(), inScene( rail.checker.get(), scene.get() ).get(), 1, &diag ),
+	    LW_ERROR_INVALID_ARGUMENT );
 	EXPECT_NE( std::string( diag.message ).find( "spare_shapes" ), std::string::npos ) << diag.message;
 	const lw_guard_answer lost = ask( guard.get(), 0 );
 	EXPECT_EQ( lost.verdict, LW_VERDICT_UNDECIDED );

@@ -71,16 +71,6 @@ leeway::Scene changed( const lw_scene* scene, const lw_transform& around, int nu
 	return leeway::Scene::adopt( made );
 }
 
-leeway::Checker inScene( const EdgeWorld& world, const lw_scene* scene )
-{
-	lw_checker_edit_def edit = lw_checker_edit_def_default();
-	edit.scene = scene;
-	lw_checker* made = nullptr;
-	lw_diag diag = {};
-	leeway::require( lw_checker_edit( world.with_tables.get(), &edit, nullptr, &diag, &made ), diag );
-	return leeway::Checker::adopt( made );
-}
-
 struct Tally
 {
 	int free = 0, blocked = 0, undecided = 0, other = 0;
@@ -94,6 +84,7 @@ void drive( const EdgeWorld& world, SeededRng& rng, Tally& tally )
 	def.window = rng.uniform( 0.1, 2 );
 	const GuardPtr guard = makeGuard( def, clock );
 	leeway::Scene scene = world.scene;
+	leeway::Checker checker = world.with_tables;
 	double now = 0;
 	const int changes = 25;
 	for ( int i = 0; i <= changes; ++i, now += rng.uniform( 0, 1.5 * end / changes ) )
@@ -101,14 +92,14 @@ void drive( const EdgeWorld& world, SeededRng& rng, Tally& tally )
 		if ( i > 0 )
 		{
 			scene = changed( scene.get(), lw_transform_identity(), i, rng );
-			ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), scene.get(), static_cast<std::uint64_t>( i ), nullptr ) );
+			checker = inScene( world.with_tables.get(), scene.get() );
+			ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), checker.get(), static_cast<std::uint64_t>( i ), nullptr ) );
 		}
 		if ( rng.integer( 0, 3 ) == 0 )
 		{
 			continue; // nobody asked about this scene
 		}
 		const lw_guard_answer answer = ask( guard.get(), now );
-		const leeway::Checker checker = inScene( world, scene.get() );
 		const leeway::Query query = leeway::makeQuery( checker.get() );
 		const lw_clock view = clock.view();
 		lw_timed_result whole;

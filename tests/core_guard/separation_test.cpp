@@ -82,7 +82,7 @@ public:
 	/// @return how many times the robot moved, and the least room that it kept beyond the intrusion
 	int run( double* least )
 	{
-		const leeway::Checker first = checkerOf( at( shape_.get(), person_ ).get() );
+		const leeway::Checker first = inScene( world_.with_tables.get(), at( shape_.get(), person_ ).get() );
 		lw_guard_def guard_def = guardOf( first.get(), 6 );
 		const GuardPtr guard = makeGuard( guard_def, clock_ );
 		int moved = 0;
@@ -92,7 +92,9 @@ public:
 			{
 				seen_.pop_front();
 			}
-			EXPECT_EQ( LW_OK, lw_guard_publish( guard.get(), at( shape_.get(), seen_.front().place ).get(), k, nullptr ) );
+			EXPECT_EQ( LW_OK,
+			    lw_guard_publish( guard.get(),
+			        inScene( world_.with_tables.get(), at( shape_.get(), seen_.front().place ).get() ).get(), k, nullptr ) );
 			const lw_guard_scale answer = speed( guard.get(), def_, along_, time_ - seen_.front().time, 2 );
 			EXPECT_EQ( answer.stamp, k );
 			const bool brakes = answer.scale < rate_;
@@ -116,18 +118,9 @@ private:
 		lw_vec3 place;
 	};
 
-	leeway::Checker checkerOf( const lw_scene* scene ) const
-	{
-		lw_checker_edit_def edit = lw_checker_edit_def_default();
-		edit.scene = scene;
-		lw_checker* made = nullptr;
-		lw_diag diag = {};
-		leeway::require( lw_checker_edit( world_.with_tables.get(), &edit, nullptr, &diag, &made ), diag );
-		return leeway::Checker::adopt( made );
-	}
 	lw_clearance nearest() const
 	{
-		const leeway::Checker checker = checkerOf( at( shape_.get(), person_ ).get() );
+		const leeway::Checker checker = inScene( world_.with_tables.get(), at( shape_.get(), person_ ).get() );
 		const leeway::Query query = leeway::makeQuery( checker.get() );
 		OwnedClock clock = clock_;
 		const lw_clock view = clock.view();
@@ -202,7 +195,8 @@ TEST( Separation, AScaleIsTooHighOrTooLow )
 		def.grid = static_cast<std::uint32_t>( rng.integer( 1, 200 ) );
 		const double now = rng.uniform( 0, 1 ), x = now + rng.uniform( 0, 5 ), age = rng.uniform( 0, 0.1 ),
 		             highest = rng.uniform( 0.2, 2 );
-		ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), at( wall.get(), { x, 0, 0 } ).get(), i, nullptr ) );
+		ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), inScene( checker.get(), at( wall.get(), { x, 0, 0 } ).get() ).get(),
+		                      i, nullptr ) );
 		const lw_guard_scale answer = speed( guard.get(), def, now, age, highest );
 		// x - 0.2 - now = s T + s^2 / ( 2 b ) + C + v ( T + s / b + age )
 		const double b = def.deceleration, half = def.reaction + def.speed / b;

@@ -64,7 +64,9 @@ TEST( GuardThreads, AnAnswerIsAboutAnOldScene )
 		    for ( std::uint64_t stamp = 1; stamp <= last; ++stamp )
 		    {
 			    // odd scenes have the block in the way
-			    EXPECT_EQ( LW_OK, lw_guard_publish( guard.get(), sceneAt( stamp % 2 ? 1.5 : 50 ).get(), stamp, nullptr ) );
+			    EXPECT_EQ(
+			        LW_OK, lw_guard_publish( guard.get(),
+			                   inScene( checker.get(), sceneAt( stamp % 2 ? 1.5 : 50 ).get() ).get(), stamp, nullptr ) );
 			    published.store( stamp );
 		    }
 	    } );

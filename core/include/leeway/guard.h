@@ -7,7 +7,7 @@
 
 LW_EXTERN_C_BEGIN
 
-/// Guards one motion of a checker's robot. Two threads: a writer publishes scenes, a reader asks in its cycle. Calls of the reader
+/// Guards one motion of a checker's robot. Two threads: a writer publishes worlds, a reader asks in its cycle. Calls of the reader
 /// (lw_guard_ask, lw_guard_stop, lw_guard_brake_by) allocate nothing, take no lock and free nothing; those of the writer may.
 /// Derivation: core/docs/guard.md.
 typedef struct lw_guard lw_guard;
@@ -24,6 +24,7 @@ typedef struct lw_guard_def
 	const double* deceleration; ///< [variable_count of that track] radians and metres per squared second, > 0; copied
 	double reaction;            ///< seconds, >= 0: from the order to stop until the robot begins to brake
 	uint32_t spare_shapes;      ///< scenes may have so many shapes more than that of the checker
+	uint32_t spare_bodies;      ///< robots so many bodies of attached objects more than its robot
 	/// Microseconds of a clock that never goes back, for budgets; called on the reader's thread. NULL: budgets must be infinite.
 	double ( *microseconds )( void* user );
 	void* user;
@@ -37,23 +38,25 @@ LW_API lw_status lw_guard_create( const lw_guard_def* def, const lw_allocator* a
 	lw_guard** out_guard );
 LW_API void lw_guard_destroy( lw_guard* guard ); ///< NULL is ignored; no call may be under way
 
-/// Writer: the world has changed. From the return on no answer is about an earlier scene.
+/// Writer: the world has changed. From the return on no answer is about an earlier one.
 ///
-/// @param scene NULL: empty. Robots, attached objects, allowed contacts and margins stay; allowed contacts and margins go by names
-/// @param stamp of the writer, such as the time at which the scene was seen; above that of the scene before
-/// @return LW_OK, LW_ERROR_INVALID_ARGUMENT (stamp; more shapes than spare_shapes), LW_ERROR_OUT_OF_MEMORY: the scene is then not
-/// published, the answers are UNDECIDED until another one is
-/// Cost: two lw_checker_edit().
-LW_API lw_status lw_guard_publish( lw_guard* guard, const lw_scene* scene, uint64_t stamp, lw_diag* diag );
+/// @param checker of the world as it is now, by lw_checker_edit() from the one before: other objects, attached objects, allowed contacts and
+/// margins; not `only_changes`. A reference is taken, and given back on the writer's thread
+/// @param stamp of the writer, such as the time at which the world was seen; above that of the one before
+/// @return LW_OK, LW_ERROR_INVALID_ARGUMENT (another robot or group; more shapes than spare_shapes), LW_ERROR_OUT_OF_MEMORY: nothing is
+/// published, the answers are UNDECIDED until another world is. A stamp that is not above the last one is an LW_ERROR_INVALID_ARGUMENT that changes
+/// nothing: the answers are about the newer world
+/// Cost: one lw_checker_edit().
+LW_API lw_status lw_guard_publish( lw_guard* guard, const lw_checker* checker, uint64_t stamp, lw_diag* diag );
 
-/// An answer about one scene, the newest that had been published when the call began.
+/// An answer about one world, the newest that had been published when the call began.
 typedef struct lw_guard_answer
 {
 	/// FREE: no clearance is at most min_d from `now` to the end, for all motions that the clock allows: proved.
 	/// BLOCKED, UNDECIDED: as of lw_timed_result, at `time`; UNDECIDED with `pair` UNKNOWN: the budget has ended before the proof: ask again.
 	/// UNKNOWN: an error; nothing is claimed.
 	lw_verdict verdict;
-	uint64_t stamp;      ///< of the scene; 0: that of the checker
+	uint64_t stamp;      ///< of the world; 0: that of the def
 	double now;          ///< seconds, of the question
 	double proved_until; ///< seconds, >= now: FREE's claim holds from now to here; now if nothing is proved
 	double time;         ///< seconds: of the contact or the undecided verdict; the end if FREE
@@ -62,7 +65,7 @@ typedef struct lw_guard_answer
 	uint32_t windows;  ///< proved or tried in this call
 } lw_guard_answer;
 
-/// Reader: is the motion still free from now on? Proofs stay known: a call after an unchanged scene costs nothing, one after
+/// Reader: is the motion still free from now on? Proofs stay known: a call about the same world costs nothing, one after
 /// a change proves the pairs that changed.
 /// @param now seconds on the clock, finite. Earlier than in the call before: all is proved again
 /// @param budget microseconds, > 0; INFINITY: until all is known
@@ -70,7 +73,7 @@ typedef struct lw_guard_answer
 LW_API lw_status lw_guard_ask( lw_guard* guard, double now, double budget, lw_guard_answer* out );
 
 /// Reader: is it free to be told to stop at `from`? The braking track goes on until from + reaction; then each variable decelerates by itself.
-/// All other tracks move on. Proved from `from` until it stands, in the newest scene, all pairs.
+/// All other tracks move on. Proved from `from` until it stands, in the newest world, all pairs.
 /// @param out time: FREE: when it stands
 /// @return as lw_guard_ask(); LW_ERROR_INVALID_ARGUMENT also without a braking track
 LW_API lw_status lw_guard_stop( lw_guard* guard, double from, lw_guard_answer* out );

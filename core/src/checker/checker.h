@@ -155,6 +155,13 @@ static inline bool lwi_query_fits( const lw_query* query, const lw_checker* chec
 	return query->pose.checker == checker || lwi_query_has_room( query, &sizes );
 }
 
+/// A checker of the pairs of `now` that `since` does not check, at the same place and with no smaller margin: of all if links move otherwise.
+lw_status lwi_checker_changes( const lw_checker* now, const lw_checker* since, const lw_allocator* allocator, lw_diag* diag,
+	lw_checker** out_checker );
+
+/// False if pairs were left out as unchanged.
+bool lwi_checker_is_whole( const lw_checker* checker );
+
 LW_EXTERN_C_END
 
 #endif

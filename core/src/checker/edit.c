@@ -176,19 +176,10 @@ static void carry_margins( carried* k, const lw_checker* c, lw_margins* out )
 	}
 }
 
-lw_status lw_checker_edit( const lw_checker* c, const lw_checker_edit_def* def, const lw_allocator* allocator_in,
-	lw_diag* diag, lw_checker** out_checker )
+/// An edited checker. @param def as lw_checker_edit() accepts it @param previous as of lw_checker_def
+static lw_status edit( const lw_checker* c, const lw_checker_edit_def* def, const lw_checker* previous,
+	const lw_allocator* allocator_in, lw_diag* diag, lw_checker** out_checker )
 {
-	if ( out_checker == NULL )
-	{
-		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "out_checker is NULL" );
-	}
-	*out_checker = NULL;
-	lw_status status = check_edit( c, def, diag );
-	if ( status != LW_OK )
-	{
-		return status;
-	}
 	lw_checker_def next = lw_checker_def_default();
 	next.robot = def->robot != NULL ? def->robot : c->base->robot;
 	next.scene = def->scene != NULL ? def->scene : c->scene;
@@ -197,7 +188,7 @@ lw_status lw_checker_edit( const lw_checker* c, const lw_checker_edit_def* def, 
 	next.reference = c->base->group.reference;
 	next.reach = c->base->reach;
 	next.max_d = isnan( def->max_d ) ? c->max_d : def->max_d;
-	next.previous = c;
+	next.previous = previous;
 	next.only_changes = def->only_changes;
 	carried kept = { .allocator = lwi_allocator_or_default( allocator_in ) };
 	if ( !carried_create( &kept, c, &next, def->allowed_count ) )
@@ -223,7 +214,33 @@ lw_status lw_checker_edit( const lw_checker* c, const lw_checker_edit_def* def, 
 	{
 		carry_margins( &kept, c, &next.margins );
 	}
-	status = lw_checker_create( &next, &kept.allocator, diag, out_checker );
+	const lw_status status = lw_checker_create( &next, &kept.allocator, diag, out_checker );
 	carried_destroy( &kept );
 	return status;
+}
+
+lw_status lw_checker_edit( const lw_checker* c, const lw_checker_edit_def* def, const lw_allocator* allocator, lw_diag* diag,
+	lw_checker** out_checker )
+{
+	if ( out_checker == NULL )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "out_checker is NULL" );
+	}
+	*out_checker = NULL;
+	const lw_status status = check_edit( c, def, diag );
+	return status == LW_OK ? edit( c, def, c, allocator, diag, out_checker ) : status;
+}
+
+lw_status lwi_checker_changes( const lw_checker* now, const lw_checker* since, const lw_allocator* allocator, lw_diag* diag,
+	lw_checker** out_checker )
+{
+	lw_checker_edit_def def = lw_checker_edit_def_default();
+	def.only_changes = true;
+	*out_checker = NULL;
+	return edit( now, &def, since, allocator, diag, out_checker );
+}
+
+bool lwi_checker_is_whole( const lw_checker* c )
+{
+	return !c->self_unchanged && !c->base->only_changes;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A motion that runs, and scenes that change: only changed pairs are proved again. Derivation: core/docs/guard.md.
+// A motion that runs, and worlds that change: only changed pairs are proved again. Derivation: core/docs/guard.md.
 #include "guard/guard.h"
 #include "base/math_inline.h"
 #include "checker/checker.h"
@@ -123,6 +123,10 @@ lw_status lw_guard_create( const lw_guard_def* def, const lw_allocator* allocato
 	}
 	lw_status status = lw_clock_check( def->checker, def->clock, diag );
 	status = status == LW_OK ? check_limits( def, diag ) : status;
+	if ( status == LW_OK && !lwi_checker_is_whole( def->checker ) )
+	{
+		status = lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "the checker is one of changes only" );
+	}
 	if ( status != LW_OK )
 	{
 		return status;
@@ -150,6 +154,7 @@ lw_status lw_guard_create( const lw_guard_def* def, const lw_allocator* allocato
 	g->base_from = -INFINITY;
 	lw_query_def query = lw_query_def_default();
 	query.spare_shapes = def->spare_shapes;
+	query.spare_bodies = def->spare_bodies;
 	status = lw_query_create( &query, lw_checker_scene( def->checker ), def->checker, &memory, &g->query );
 	if ( status != LW_OK )
 	{
@@ -206,49 +211,54 @@ static bool has_room( const lw_guard* g, const lw_checker* checker )
 	return lwi_query_has_room( g->query, &sizes ) && g->query->capacity.edge_bytes >= lwi_edge_scratch_size( checker, 0 );
 }
 
-/// Fills a world: the checker of all pairs, and that of the pairs that changed since the last proved world.
-static lw_status fill_world( lw_guard* g, const lw_scene* scene, lwi_world* world, lw_diag* diag )
+/// Does the clock move the same variables of the same robot?
+static bool moves_alike( const lw_checker* a, const lw_checker* b )
 {
-	lw_checker_edit_def edit = lw_checker_edit_def_default();
-	edit.scene = scene;
-	lw_status status =
-		lw_checker_edit( g->worlds[atomic_load( &g->newest )].full, &edit, &g->allocator, diag, &world->full );
-	const uint32_t base = atomic_load( &g->proved );
-	if ( status == LW_OK && base != LWI_NO_WORLD )
-	{
-		edit.only_changes = true;
-		status = lw_checker_edit( g->worlds[base].full, &edit, &g->allocator, diag, &world->changes );
-	}
-	if ( status == LW_OK && !( has_room( g, world->full ) && ( world->changes == NULL || has_room( g, world->changes ) ) ) )
-	{
-		status = lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
-			"the scene has more shapes than the guard has room for; raise spare_shapes" );
-	}
-	return status;
+	return lwi_robot_bare( a->base->robot ) == lwi_robot_bare( b->base->robot ) &&
+		   a->base->group.variable_count == b->base->group.variable_count &&
+		   memcmp( a->base->group.variables, b->base->group.variables,
+			   a->base->group.variable_count * sizeof( uint32_t ) ) == 0;
 }
 
-lw_status lw_guard_publish( lw_guard* g, const lw_scene* scene, uint64_t stamp, lw_diag* diag )
+static lw_status check_world( const lw_guard* g, const lw_checker* checker, lw_diag* diag )
 {
-	if ( g == NULL || stamp <= g->last_stamp )
+	if ( checker == NULL || !lwi_checker_is_whole( checker ) ||
+		 !moves_alike( checker, g->worlds[atomic_load( &g->newest )].full ) )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"no checker, one of changes only, or of another robot or group; edit the guard's own by lw_checker_edit()" );
+	}
+	if ( !has_room( g, checker ) )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"the world has more shapes or bodies than the guard has room for; raise spare_shapes or spare_bodies" );
+	}
+	return LW_OK;
+}
+
+/// Fills a world: the checker of all pairs, and that of the pairs that changed since the last proved world.
+static lw_status fill_world( lw_guard* g, const lw_checker* checker, lwi_world* world, lw_diag* diag )
+{
+	world->full = lw_checker_retain( checker );
+	const uint32_t base = atomic_load( &g->proved );
+	return base == LWI_NO_WORLD ? LW_OK
+								: lwi_checker_changes( checker, g->worlds[base].full, &g->allocator, diag, &world->changes );
+}
+
+lw_status lw_guard_publish( lw_guard* g, const lw_checker* checker, uint64_t stamp, lw_diag* diag )
+{
+	if ( g == NULL || stamp <= g->last_stamp ) // an older world than the last one tells nothing
 	{
 		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
 			"no guard, or a stamp that is not above the last one" );
 	}
-	lw_scene* empty = NULL;
-	if ( scene == NULL )
-	{
-		const lw_scene_def def = lw_scene_def_default();
-		const lw_status made = lw_scene_create( &def, &g->allocator, diag, &empty );
-		if ( made != LW_OK )
-		{
-			atomic_store( &g->lost, true );
-			return made;
-		}
-	}
+	lw_status status = check_world( g, checker, diag );
 	lwi_world* world = free_world( g );
-	empty_world( world );
-	const lw_status status = fill_world( g, scene != NULL ? scene : empty, world, diag );
-	lw_scene_release( empty );
+	if ( status == LW_OK )
+	{
+		empty_world( world );
+		status = fill_world( g, checker, world, diag );
+	}
 	if ( status != LW_OK )
 	{
 		empty_world( world );

@@ -15,7 +15,7 @@ enum
 	LWI_NO_WORLD = LW_INVALID_INDEX
 };
 
-/// A published scene. Written by the writer while nobody looks at it.
+/// A published world. Written by the writer while nobody looks at it.
 typedef struct lwi_world
 {
 	lw_checker* full;
@@ -43,7 +43,7 @@ struct lw_guard
 	lw_query* query; ///< of the reader; its sizes never change
 	lwi_world worlds[LWI_WORLDS];
 	uint64_t last_stamp;            ///< of the writer
-	LWI_ATOMIC( bool ) lost;        ///< a scene could not be published: nothing is known of the world. Set by the writer
+	LWI_ATOMIC( bool ) lost;        ///< a world could not be published: nothing is known of the world. Set by the writer
 	LWI_ATOMIC( uint32_t ) newest;  ///< set by the writer
 	LWI_ATOMIC( uint32_t ) reading; ///< that the reader holds; set by it, as are the next two
 	LWI_ATOMIC( uint32_t ) bound;   ///< whose checkers its query keeps alive
