@@ -43,6 +43,7 @@ Examples:
   leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --out path.yaml
   leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml
   leeway referee --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --item path.npy --item regions.json
+  leeway guard --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --trajectory t.json --replay log.jsonl
   leeway tune --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --error 5
   leeway world audit --world cell.yaml
   leeway view --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml --out page.html)";
@@ -235,6 +236,26 @@ FILE, by its ending and its keys:
                  {joint_names: names, bspline: {order, knots, control_points}}, or bezier: {start, end, control_points},
                  piecewise_polynomial: {breaks, coefficients: a row of powers for each joint of each piece}, composite: list of these
 Without joint_names the columns are the group's variables in their order.)" };
+
+const HelpText guard_help = {
+    R"(Puts a recorded drive before the guard: in each cycle, is the rest of the motion proved in the world as it was known then?
+
+Example: leeway guard --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --trajectory t.json --replay log.jsonl --deceleration 5
+
+Exit status 0: FREE in all cycles; 1: an alarm, or a line of the log that did not fit the world; 2: error.)",
+    R"(The robot is where the trajectory has it. The alarm is the first cycle whose answer is not FREE: until when the motion is proved, the pair and
+the time of the contact, and until when an order to stop may wait. A stop: --reaction seconds go on, then each joint decelerates by itself. Lines with
+people ask for the largest scale of the speed at which the robot, braking, stands before they can be nearer than --intrusion.
+
+A line of the log is an object of JSON. t: seconds on the trajectory's clock, at which the guard was told; seen: when the sensor saw it
+(default t); and one of
+  world: {collision_objects: [...]}   MoveIt's CollisionObjects in the planning frame, operation ADD (0), REMOVE (1) or MOVE (3)
+  people: {collision_objects: [...]}  all of them; they replace those before
+  attach: OBJECT, link: LINK, touch_links: [LINK, ...]
+  release: OBJECT
+  nothing                             the world was looked at, and is as before
+A line that saw the world before what is known already is left out. After a line that does not fit the world, such as one that moves an object that
+is not there, nothing is known until the next one. --profile: time,verdict,proved_until,stands,scale,age,microseconds.)" };
 
 const HelpText tune_help = {
     R"(Measures speed against accuracy on this robot in this scene, and proposes settings that meet a target.

@@ -33,6 +33,6 @@ struct HelpText
 	const char* details;
 };
 extern const HelpText info_help, pairs_help, cache_help, spherize_help, check_help, edge_help, plan_help, audit_help,
-    referee_help, tune_help, world_help, view_help;
+    referee_help, guard_help, tune_help, world_help, view_help;
 
 } // namespace leeway::cli

@@ -2,7 +2,7 @@
 // The command line of every subcommand, as plain structs.
 #pragma once
 
-#include "leeway/checker.h"
+#include "leeway/guard.h"
 #include "leeway/io/limits.hpp"
 #include "leeway/io/model.hpp"
 #include "view/page.hpp"
@@ -161,6 +161,20 @@ struct RefereeOptions
 	std::string json, junit, view;
 };
 
+struct GuardOptions
+{
+	GuardOptions() { people.reaction = 0.1; }
+	CommonOptions common;
+	std::string trajectory, log, joint_limits, interpolation = "auto";
+	double rate = 1000;
+	double budget = std::numeric_limits<double>::infinity(); ///< microseconds
+	double stale = std::numeric_limits<double>::infinity();
+	double reaction = 0, lag = 0, window = 0.5;       ///< seconds
+	std::vector<std::string> deceleration, tolerance; ///< VALUE or JOINT=VALUE
+	lw_separation people = lw_separation_default();
+	std::string json, profile, view;
+};
+
 struct WorldOptions
 {
 	CommonOptions common;
@@ -253,6 +267,7 @@ int runPlan( const PlanOptions& options );
 int runAudit( const AuditOptions& options );
 int runTrajectoryAudit( const AuditOptions& options );
 int runReferee( const RefereeOptions& options );
+int runGuard( const GuardOptions& options );
 int runTune( const TuneOptions& options );
 int runWorld( const WorldOptions& options );
 int runView( const ViewOptions& options );

@@ -340,6 +340,8 @@ struct SceneModel
 /// robot's name, whose objects have the names of its links.
 /// @throws Error
 SceneModel loadScene( const std::string& file, const LoadOptions& options = {} );
+/// The same of a text that is in memory, such as a message. @param file names it in errors; files that it names are found beside that
+SceneModel parseScene( std::string content, const std::string& file, const LoadOptions& options = {} );
 
 /// The scene with other joint values of an articulation: the same shapes at other poses, nothing is read or built. Joints
 /// that `values` does not name keep their values; an object that was attached to the robot, or removed, stays so.

@@ -472,9 +472,13 @@ void readRobotScene( std::string content, const LoadOptions& options, SceneModel
 
 SceneModel loadScene( const std::string& file, const LoadOptions& options )
 {
+	return parseScene( readWholeFile( file ), file, options );
+}
+
+SceneModel parseScene( std::string content, const std::string& file, const LoadOptions& options )
+{
 	SceneModel scene;
 	scene.file = file;
-	std::string content = readWholeFile( file );
 	detail::refuseUsd( file, content );
 	if ( detail::beginsAsXml( content ) || lower( std::filesystem::path( file ).extension().string() ) == ".urdf" )
 	{

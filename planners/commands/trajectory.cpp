@@ -4,8 +4,8 @@
 #include "leeway/motions/motion_files.hpp"
 #include "leeway/motions/stage.hpp"
 #include "motions/report.hpp"
-#include "program/certificate_file.hpp"
-#include "program/page_file.hpp"
+#include "commands/certificate_file.hpp"
+#include "commands/page_file.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The result of leeway plan, as a path file, as a report and in words; reasons of a plan without a path.
-#include "program/plan_solution.hpp"
+#include "commands/plan_solution.hpp"
 #include "motions/names.hpp"
 
 #include "leeway/planners/stuck.hpp"

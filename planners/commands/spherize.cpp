@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway spherize: enclosing spheres of the links, for programs that know only spheres.
 #include "motions/json.hpp"
-#include "program/page_file.hpp"
+#include "commands/page_file.hpp"
 
 #include "leeway/io/spheres.hpp"
 

@@ -5,7 +5,7 @@
 #include "motions/report.hpp"
 #include "motions/timed_robots.hpp"
 #include "program/ends.hpp"
-#include "program/world_cell.hpp"
+#include "commands/world_cell.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway referee: rulings on results of other planners.
 #include "leeway/motions/path_file.hpp"
-#include "program/page_file.hpp"
+#include "commands/page_file.hpp"
 #include "referee/judge.hpp"
 
 #include <fmt/format.h>

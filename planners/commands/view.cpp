@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway view: a page with robot, scene, motion and clearances; and pages of other results.
-#include "program/page_file.hpp"
+#include "commands/page_file.hpp"
 #include "program/states.hpp"
 
 #include "leeway/prepare.hpp"

@@ -4,7 +4,7 @@
 
 #include "leeway/motions/path_file.hpp"
 #include "motions/report.hpp"
-#include "program/page_file.hpp"
+#include "commands/page_file.hpp"
 
 #include "leeway/ik/goal_states.hpp"
 #include "leeway/ompl/validity.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway plan: a request solved, simplified, certified again, and audited.
 #include "program/plan_bounds.hpp"
-#include "program/plan_solution.hpp"
+#include "commands/plan_solution.hpp"
 #include "motions/names.hpp"
-#include "program/certificate_file.hpp"
+#include "commands/certificate_file.hpp"
 #include "program/ends.hpp"
 
 #include "leeway/motions/timed.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway tune: measures the trade of speed for accuracy on the user's scene, and proposes a setting.
-#include "program/page_file.hpp"
+#include "commands/page_file.hpp"
 #include "tune/report.hpp"
 
 #include <fmt/format.h>

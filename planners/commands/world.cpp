@@ -4,8 +4,8 @@
 #include "motions/csv.hpp"
 #include "motions/names.hpp"
 #include "motions/report.hpp"
-#include "program/page_file.hpp"
-#include "program/world_cell.hpp"
+#include "commands/page_file.hpp"
+#include "commands/world_cell.hpp"
 
 #include "leeway/prepare.hpp"
 

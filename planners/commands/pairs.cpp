@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway pairs: the links that can ever meet, findings about an SRDF, and a new SRDF with proofs as reasons.
 #include "pairs/report.hpp"
-#include "program/page_file.hpp"
+#include "commands/page_file.hpp"
 
 #include <fmt/format.h>
 

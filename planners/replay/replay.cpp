@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A recorded drive before the guard: see replay.hpp.
+#include "replay/replay.hpp"
+
+#include "leeway/io/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+
+namespace leeway::replay
+{
+namespace
+{
+
+using motions::Guard;
+
+double microsecondsSince( std::chrono::steady_clock::time_point begin )
+{
+	return std::chrono::duration<double, std::micro>( std::chrono::steady_clock::now() - begin ).count();
+}
+
+/// A world and the guard of the motion in it. Events change the world; an event that it refuses makes it unknown until another one is accepted.
+class Watched
+{
+public:
+	Watched( const io::RobotModel& robot, const io::ProblemOptions& options, const std::vector<motions::Segment>& segments,
+	    const motions::GuardSettings& settings )
+	    : m_world( robot, options ), m_guard( *m_world.problem(), segments, settings )
+	{
+		for ( std::uint32_t i = 0; i < lw_scene_object_count( m_world.problem()->scene.get() ); ++i )
+		{
+			m_objects.insert( lw_scene_object_name( m_world.problem()->scene.get(), i ) );
+		}
+	}
+
+	/// @param q of the robot, for objects that it takes and puts down @throws io::Error, and the world is unknown
+	void apply( const Event& event, const std::vector<double>& q )
+	{
+		m_known = false;
+		change( event, q );
+		m_guard.publish( m_world.problem()->checker, ++m_stamp );
+		m_known = true;
+		m_seen = event.seen;
+	}
+	bool isKnown() const { return m_known; }
+	double seen() const { return m_seen; }
+	Guard& guard() { return m_guard; }
+	std::shared_ptr<const io::Problem> problem() const { return m_world.problem(); }
+
+private:
+	void change( const Event& event, const std::vector<double>& q )
+	{
+		const std::set<std::string> before = event.kind == Event::Kind::people ? m_objects : std::set<std::string>();
+		for ( const std::string& name : before )
+		{
+			remove( name );
+		}
+		for ( const std::string& name : event.removed )
+		{
+			remove( name );
+		}
+		for ( const io::SceneObject& object : event.objects )
+		{
+			if ( m_objects.count( object.name ) > 0 )
+			{
+				remove( object.name );
+			}
+			std::vector<io::PlacedShape> shapes = object.shapes; // poses with the object's
+			const lw_transform back = lw_transform_inverse( &object.pose );
+			for ( io::PlacedShape& shape : shapes )
+			{
+				shape.pose = lw_transform_multiply( &back, &shape.pose );
+			}
+			m_world.add( object.name, shapes, object.pose );
+			m_objects.insert( object.name );
+		}
+		for ( const auto& [name, pose] : event.moved )
+		{
+			m_world.move( name, pose );
+		}
+		if ( event.kind == Event::Kind::attach )
+		{
+			m_world.attach( event.object, event.link, event.touch_links, q );
+		}
+		if ( event.kind == Event::Kind::release )
+		{
+			m_world.detach( event.object, q );
+		}
+	}
+	void remove( const std::string& name )
+	{
+		m_world.remove( name );
+		m_objects.erase( name );
+	}
+
+	io::World m_world;
+	Guard m_guard;
+	std::set<std::string> m_objects;
+	std::uint64_t m_stamp = 0;
+	bool m_known = true;
+	double m_seen = -std::numeric_limits<double>::infinity();
+};
+
+class Driver
+{
+public:
+	Driver( const io::RobotModel& robot, const io::ProblemOptions& options, const std::vector<motions::Segment>& segments,
+	    const Log& log, const Settings& settings )
+	    : m_segments( segments ), m_log( log ), m_settings( settings ), m_world( robot, options, segments, settings.guard )
+	{
+		const auto is_people = []( const Event& event ) { return event.kind == Event::Kind::people; };
+		if ( std::any_of( log.events.begin(), log.events.end(), is_people ) )
+		{
+			io::ProblemOptions alone = options;
+			alone.scene = nullptr;
+			motions::GuardSettings guard = settings.guard;
+			guard.deceleration.clear();
+			m_people = std::make_unique<Watched>( robot, alone, segments, guard );
+		}
+		m_result.sceneries.push_back( { segments.front().begin, m_world.problem() } );
+	}
+
+	Result drive()
+	{
+		const double begin = m_segments.front().begin, end = m_world.guard().end();
+		const auto count = static_cast<std::size_t>( std::ceil( ( end - begin ) * m_settings.rate - 1e-9 ) );
+		std::size_t next = 0;
+		for ( std::size_t k = 0; k <= count; ++k )
+		{
+			const double now = std::min( end, begin + static_cast<double>( k ) / m_settings.rate );
+			for ( ; next < m_log.events.size() && m_log.events[next].time <= now; ++next )
+			{
+				take( m_log.events[next], now );
+			}
+			cycle( now );
+		}
+		return std::move( m_result );
+	}
+
+private:
+	void take( const Event& event, double now )
+	{
+		Watched& watched = event.kind == Event::Kind::people ? *m_people : m_world;
+		++m_result.events;
+		if ( event.seen < watched.seen() )
+		{
+			++m_result.late;
+			return;
+		}
+		const auto begin = std::chrono::steady_clock::now();
+		try
+		{
+			watched.apply( event, motions::stateAt( m_segments, now ) );
+		}
+		catch ( const io::Error& error )
+		{
+			m_result.rejected.push_back(
+			    fmt::format( "{}: {}: {}; {}", event.element, error.element(), error.problem(), error.remedy() ) );
+		}
+		m_result.publish_microseconds.push_back( microsecondsSince( begin ) );
+		const double apart = ( m_world.guard().end() - m_segments.front().begin ) / most_sceneries;
+		if ( event.kind != Event::Kind::people && now - m_result.sceneries.back().begin >= apart )
+		{
+			m_result.sceneries.push_back( { now, m_world.problem() } );
+		}
+	}
+
+	/// Why nothing is known about the world; empty: it is known.
+	std::string unknown( const Watched& watched, double now ) const
+	{
+		if ( !watched.isKnown() )
+		{
+			return "an event could not be taken into the world";
+		}
+		const double age = now - watched.seen();
+		return age > m_settings.stale ? fmt::format( "it was seen {:.3f} s ago, more than {} s", age, m_settings.stale )
+		                              : "";
+	}
+
+	void cycle( double now )
+	{
+		const auto begin = std::chrono::steady_clock::now();
+		Cycle cycle;
+		cycle.time = now;
+		const lw_guard_answer answer = m_world.guard().ask( now, m_settings.budget );
+		cycle.verdict = answer.verdict;
+		cycle.proved_until = answer.proved_until;
+		cycle.stands = std::nan( "" );
+		if ( !m_settings.guard.deceleration.empty() )
+		{
+			const lw_guard_answer stop = m_world.guard().stop( now );
+			cycle.stands = stop.verdict == LW_VERDICT_FREE ? stop.time : cycle.stands;
+		}
+		if ( m_people )
+		{
+			cycle.scale = scaleBesidePeople( now );
+		}
+		cycle.microseconds = microsecondsSince( begin );
+		cycle.age = now - m_world.seen();
+		const std::string reason = unknown( m_world, now );
+		if ( !reason.empty() )
+		{
+			cycle.verdict = LW_VERDICT_UNDECIDED;
+			cycle.proved_until = now;
+			cycle.stands = std::nan( "" );
+		}
+		if ( cycle.verdict != LW_VERDICT_FREE && !m_result.alarm )
+		{
+			raise( answer, cycle, reason );
+		}
+		if ( cycle.scale < m_result.least_scale )
+		{
+			m_result.least_scale = cycle.scale;
+			m_result.least_scale_at = now;
+		}
+		m_result.cycles.push_back( cycle );
+	}
+
+	double scaleBesidePeople( double now )
+	{
+		if ( std::isinf( m_people->seen() ) || !unknown( *m_people, now ).empty() ) // nobody was looked for, or not any more
+		{
+			return 0;
+		}
+		return m_people->guard().speed( m_settings.separation, now, now - m_people->seen(), 1, m_settings.budget ).scale;
+	}
+
+	void raise( const lw_guard_answer& answer, const Cycle& cycle, const std::string& reason )
+	{
+		Alarm alarm;
+		alarm.at = cycle.time;
+		alarm.verdict = cycle.verdict;
+		alarm.time = reason.empty() ? answer.time : cycle.time;
+		alarm.reason = !reason.empty()                            ? "the world is unknown: " + reason
+		               : answer.pair.kind == LW_CLEARANCE_UNKNOWN ? "the budget ended before the proof"
+		                                                          : "";
+		alarm.brake_by = std::nan( "" );
+		if ( reason.empty() )
+		{
+			const lw_checker* checker = m_world.problem()->checker.get();
+			alarm.self = answer.self;
+			alarm.pair =
+			    answer.self ? motions::nameSelf( checker, answer.pair ) : motions::nameEnvironment( checker, answer.pair );
+			if ( !m_settings.guard.deceleration.empty() )
+			{
+				alarm.brake_by = m_world.guard().brakeBy( cycle.time, answer.proved_until, 1 / m_settings.rate );
+			}
+		}
+		m_result.alarm = alarm;
+	}
+
+	const std::vector<motions::Segment>& m_segments;
+	const Log& m_log;
+	const Settings& m_settings;
+	Watched m_world;
+	std::unique_ptr<Watched> m_people;
+	Result m_result;
+};
+
+} // namespace
+
+Result replay( const io::RobotModel& robot, const io::ProblemOptions& options, const std::vector<motions::Segment>& segments,
+    const Log& log, const Settings& settings )
+{
+	if ( segments.empty() || !( settings.rate > 0 ) || !( settings.rate <= 1e6 ) ||
+	     ( segments.back().begin + segments.back().seconds - segments.front().begin ) * settings.rate > 1e8 )
+	{
+		throw io::Error( log.file, "rate", fmt::format( "has {} cycles per second", settings.rate ),
+		    "give a rate above 0 and up to 1e6, of at most 1e8 cycles in all" );
+	}
+	return Driver( robot, options, segments, log, settings ).drive();
+}
+
+} // namespace leeway::replay
