@@ -45,6 +45,32 @@ class Depth(NamedTuple):
         return f"Depth({self.lower:.6g} <= depth <= {self.upper:.6g} m)"
 
 
+class GuardAnswer(NamedTuple):
+    """An answer of a Guard about the newest world that was published when it was asked."""
+    verdict: Verdict  #: FREE: proved from now to the end; BLOCKED; UNDECIDED: brake, or ask again if the budget ended
+    stamp: int  #: of the world; 0: that of the checker at the start
+    now: float  #: seconds
+    proved_until: float  #: seconds: free from now until then, proved
+    time: float  #: seconds: of the contact or the undecided verdict; FREE: the end, of a stop the time at which the robot stands
+    pair: tuple[str, str] | None  #: names at `time`: a link, and a link or an object
+    lower: float  #: metres: the pair's clearance is at least this; NaN without a pair
+    upper: float  #: metres: its clearance; NaN without a pair
+
+    def __repr__(self) -> str:
+        of = f", {self.pair[0]} and {self.pair[1]} at {self.time:.6g} s" if self.pair else ""
+        return f"GuardAnswer({Verdict(self.verdict).name}, proved until {self.proved_until:.6g} s{of}, world {self.stamp})"
+
+
+class GuardSpeed(NamedTuple):
+    """How fast the robot may go on beside people."""
+    scale: float  #: of its speed, proved; 0: none, brake
+    separation: float  #: metres that all clearances exceed until the robot stands; NaN without a scale
+    until: float  #: seconds: no farther the robot comes before it stands
+    stamp: int  #: of the world
+    pair: tuple[str, str] | None  #: that forbids the next scale; None: the highest is proved
+    proofs: int
+
+
 class Clearances(NamedTuple):
     """Clearances of states. For one state the arrays have no first axis."""
     lower: Array  #: float64 [n]: proved, every clearance of the state is at least this

@@ -57,5 +57,6 @@ NB_MODULE( _core, module )
 	bindScenes( module );
 	bindCheckers( module );
 	bindTimedWorlds( module );
+	bindGuards( module );
 	bindViews( module );
 }
