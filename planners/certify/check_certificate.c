@@ -40,19 +40,13 @@ static pose compose( const pose* a, const pose* b ) {
 
 static unsigned char* file_bytes;
 static size_t file_size, at;
-static void damaged( const char* why ) {
-	printf( "damaged: %s (byte %zu)\n", why, at );
-	exit( 2 );
-}
+static void damaged( const char* why ) { printf( "damaged: %s (byte %zu)\n", why, at ), exit( 2 ); }
 static void* new_array( size_t count, size_t size ) {
 	void* memory = calloc( count + 1, size );
 	if ( !memory ) damaged( "it needs more memory than there is" );
 	return memory;
 }
-static unsigned byte( void ) {
-	if ( at >= file_size ) damaged( "it ends too early" );
-	return file_bytes[at++];
-}
+static unsigned byte( void ) { return at < file_size ? file_bytes[at++] : ( damaged( "it ends too early" ), 0u ); }
 static uint64_t little_endian( int bytes ) {
 	uint64_t value = 0;
 	for ( int i = 0; i < bytes; ++i ) value |= (uint64_t)byte() << ( 8 * i );
@@ -148,9 +142,7 @@ static double element_support( const shape* s, uint32_t e, vec n, double size ) 
 }
 /// Radius of a sphere around `from` that contains an element.
 static double element_radius( const shape* s, uint32_t e, vec from ) {
-	if ( s->kind == TRIANGLES ) {
-		return s->radius + fmax( norm( sub( corner( s, e, 0 ), from ) ), fmax( norm( sub( corner( s, e, 1 ), from ) ), norm( sub( corner( s, e, 2 ), from ) ) ) );
-	}
+	if ( s->kind == TRIANGLES ) return s->radius + fmax( norm( sub( corner( s, e, 0 ), from ) ), fmax( norm( sub( corner( s, e, 1 ), from ) ), norm( sub( corner( s, e, 2 ), from ) ) ) );
 	if ( s->kind == BALLS ) return norm( sub( number_vec( s, 4 * (size_t)e ), from ) ) + s->numbers[4 * (size_t)e + 3];
 	if ( s->kind == BOXES ) {
 		vec a = number_vec( s, 6 * (size_t)e ), b = number_vec( s, 6 * (size_t)e + 3 );
@@ -197,10 +189,10 @@ static double support( const shape* s, uint32_t i, vec n, double size, double be
 
 #define NONE 0xffffffffu
 typedef struct { char *name, *joint; uint32_t parent, depth; pose origin; unsigned type; vec axis; uint32_t variable; double multiplier, offset; } link;
-typedef struct { char* name; double lower, upper, tolerance; } variable;
+typedef struct { char* name; double lower, upper, tolerance, lag, spread, since; uint32_t track; unsigned moves; } variable;
 typedef struct { uint32_t owner; const shape* shape; pose pose; } placed;
 typedef struct { unsigned object; uint32_t a, b; double value; char* reason; } rule; // an allowed pair, or a margin
-typedef struct { const placed *a, *b; unsigned object, moves; uint32_t ancestor; double need; } pair;
+typedef struct { const placed *a, *b; unsigned object, moves, late; uint32_t ancestor; double need; } pair; // late: of several tracks
 static double min_d, rounding; static unsigned claims;
 static link* links; static variable* variables; static shape* shapes; static placed *bodies, *obstacles;
 static char** objects; static rule *allowed, *margins; static pair* pairs;
@@ -243,9 +235,7 @@ static void read_shapes( void ) {
 		s->corners = new_array( m, sizeof( *s->corners ) );
 		for ( uint32_t k = 0; k < m; ++k ) s->corners[k] = below( n / 3 );
 		s->elements = s->kind == TRIANGLES ? m / 3 : s->kind <= BOXES ? n / wide : 1;
-		if ( n % wide != 0 || m % 3 != 0 || s->elements == 0 || ( s->kind != TRIANGLES && m != 0 ) || ( s->kind > BOXES && n != 0 ) ) {
-			damaged( "a shape is not as its kind demands" );
-		}
+		if ( n % wide != 0 || m % 3 != 0 || s->elements == 0 || ( s->kind != TRIANGLES && m != 0 ) || ( s->kind > BOXES && n != 0 ) ) damaged( "a shape is not as its kind demands" );
 		for ( uint32_t e = 0; e < s->elements && s->kind <= BOXES; ++e ) {
 			for ( size_t k = 0; k < 3 && s->kind == BOXES; ++k ) checked( s->numbers[6 * (size_t)e + 3 + k], s->numbers[6 * (size_t)e + k], 1e6 );
 			if ( s->kind == BALLS ) checked( s->numbers[4 * (size_t)e + 3], 0, 1e6 );
@@ -280,10 +270,7 @@ static rule* read_rules( uint32_t* n, int with_value ) {
 	return list;
 }
 static void skip_digest( int tells ) { // SHA-256: --files prints those of the sources, check_certificate.py compares
-	for ( int i = 0; i < 32; ++i ) {
-		unsigned b = byte();
-		if ( tells ) printf( "%02x", b );
-	}
+	for ( unsigned i = 0, b = 0; i < 32; ++i ) if ( b = byte(), tells ) printf( "%02x", b );
 }
 static void read_sources( int tells ) {
 	uint32_t n = count_of( 33 );
@@ -295,15 +282,11 @@ static void read_sources( int tells ) {
 	}
 }
 static void read_model( int tells ) {
-	for ( const char* c = "LWCERT1\n"; *c; ++c ) if ( byte() != (unsigned char)*c ) damaged( "it is no certificate of version 1" );
-	min_d = real( 0, 1e6 );
+	for ( const char* c = "LWCERT2\n"; *c; ++c ) if ( byte() != (unsigned char)*c ) damaged( "it is no certificate of version 2" );
 	checked( claims = byte(), 1, 3 );
-	read_sources( tells );
-	variable_count = count_of( 25 );
+	variable_count = count_of( 17 );
 	variables = new_array( variable_count, sizeof( *variables ) );
-	for ( uint32_t i = 0; i < variable_count; ++i ) {
-		variables[i].name = words(), variables[i].lower = any_real(), variables[i].upper = any_real(), variables[i].tolerance = real( 0, 1000 );
-	}
+	for ( uint32_t i = 0; i < variable_count; ++i ) variables[i].name = words(), variables[i].lower = any_real(), variables[i].upper = any_real();
 	read_links();
 	read_shapes();
 	bodies = read_placed( &body_count, link_count, 1 );
@@ -314,6 +297,11 @@ static void read_model( int tells ) {
 	allowed = read_rules( &allowed_count, 0 );
 	margins = read_rules( &margin_count, 1 );
 	skip_digest( 0 );
+	min_d = real( 0, 1e6 );
+	read_sources( tells );
+	for ( variable* v = variables; v < variables + variable_count; ++v ) {
+		v->track = count(), v->tolerance = real( 0, 1000 ), v->lag = real( 0, 1e6 ), v->spread = real( 0, 1e6 ), v->since = real( -1e9, 1e9 );
+	}
 }
 
 // ---- the pairs that must be proved
@@ -324,11 +312,12 @@ static int is_about( const rule* r, unsigned object, uint32_t a, uint32_t b ) {
 static void add_pair( const placed* a, const placed* b, unsigned object ) {
 	for ( uint32_t i = 0; i < allowed_count; ++i ) if ( is_about( allowed + i, object, a->owner, b->owner ) ) return;
 	// Up to the lowest link above both; obstacles stand in the frame above the root
-	uint32_t x = a->owner, y = object ? 0 : b->owner;
-	pair p = { a, b, object, 0, 0, min_d };
+	uint32_t x = a->owner, y = object ? 0 : b->owner, track = NONE;
+	pair p = { a, b, object, 0, 0, 0, min_d };
 	while ( x != y ) {
-		uint32_t* lower = links[x].depth >= links[y].depth ? &x : &y;
-		p.moves |= links[*lower].variable != NONE;
+		uint32_t *lower = links[x].depth >= links[y].depth ? &x : &y, v = links[*lower].variable;
+		p.moves |= v != NONE;
+		if ( v != NONE && variables[v].moves ) p.late |= track != NONE && track != variables[v].track, track = variables[v].track;
 		*lower = links[*lower].parent;
 	}
 	if ( !object && !p.moves ) return; // rigid against each other
@@ -345,6 +334,29 @@ static void make_pairs( void ) {
 }
 
 // ---- windows
+
+static uint32_t piece, piece_count;
+static size_t* rows;  // of each piece: its first control point, the last one of the piece before
+static double *points_of_all, *times, *timely, *late; // times: of the pieces' ends
+/// How far each variable may be from the piece, and how much farther beside another track: FORMAT.md, "One clock"
+static void make_tubes( void ) {
+	double most_lag = 0;
+	for ( size_t j = 0; j < variable_count; ++j ) most_lag = fmax( most_lag, variables[j].lag );
+	for ( size_t j = 0; j < variable_count; ++j ) {
+		const variable* v = variables + j;
+		double until = fmin( times[piece + 1] + most_lag, times[piece_count] ), low = HUGE_VAL, high = -HUGE_VAL, speed = 0;
+		timely[j] = v->tolerance + v->spread * fmax( 0, until - v->since ), late[j] = 0;
+		for ( uint32_t i = 0; v->lag > 0 && i < piece_count; ++i ) {
+			if ( times[i] > times[piece + 1] + v->lag + 1e-6 || times[i + 1] < times[piece] - v->lag - 1e-6 ) continue;
+			for ( size_t k = rows[i]; k <= rows[i + 1]; ++k ) {
+				double q = points_of_all[k * variable_count + j], step = k > rows[i] ? fabs( q - points_of_all[( k - 1 ) * variable_count + j] ) : 0;
+				low = fmin( low, q ), high = fmax( high, q );
+				if ( step > 0 ) speed = fmax( speed, (double)( rows[i + 1] - rows[i] ) * step / ( times[i + 1] - times[i] ) );
+			}
+			late[j] = fmin( high - low, v->lag * speed );
+		}
+	}
+}
 
 typedef struct window {
 	double *points, *speed, *rest; // control points; |value - middle - s speed| <= rest for an s in [-1, 1]
@@ -373,7 +385,7 @@ static window* new_window( const double* points, unsigned degree, double begin, 
 		w->speed[j] = 0.5 * ( points[degree * n + j] - points[j] );
 		double rest = 0;
 		for ( unsigned i = 0; i <= degree; ++i ) rest = fmax( rest, fabs( points[i * n + j] - middle[j] - ( 2.0 * i / degree - 1 ) * w->speed[j] ) );
-		w->rest[j] = rest + variables[j].tolerance;
+		w->rest[j] = rest + timely[j];
 	}
 	w->poses = new_array( link_count, sizeof( pose ) );
 	for ( uint32_t i = 0; i < link_count; ++i ) {
@@ -401,7 +413,7 @@ static void free_window( window* w ) {
 
 // ---- one side of a pair at a middle state, and how it moves in the window: FORMAT.md, "Motion in a window"
 
-typedef struct { const placed* body; const shape* shape; uint32_t range, owner, ancestor; } part;
+typedef struct { const placed* body; const shape* shape; uint32_t range, owner, ancestor; unsigned late; } part;
 typedef struct { pose pose; vec middle, turn, shift; double radius, rest, path; } side;
 static side side_of( const part* p, int on_link, const window* w ) {
 	side s;
@@ -414,7 +426,8 @@ static side side_of( const part* p, int on_link, const window* w ) {
 	for ( uint32_t i = p->owner; on_link && i != p->ancestor; i = links[i].parent ) {
 		const link* l = links + i;
 		if ( l->variable == NONE ) continue;
-		double speed = l->multiplier * w->speed[l->variable], rest = fabs( l->multiplier ) * w->rest[l->variable], e = fabs( speed ) + rest;
+		double tube = w->rest[l->variable] + ( p->late ? late[l->variable] : 0 );
+		double speed = l->multiplier * w->speed[l->variable], rest = fabs( l->multiplier ) * tube, e = fabs( speed ) + rest;
 		vec axis = rotate( w->poses + i, l->axis ), origin = w->poses[i].t;
 		if ( l->type == 2 ) {
 			s.shift = add( s.shift, scale( speed, axis ) );
@@ -427,39 +440,31 @@ static side side_of( const part* p, int on_link, const window* w ) {
 		s.rest += rho * ( rest + e * e / 2 ) + e * below_sum;
 		s.path += centre * e, below_sum += rho * e, turns += e;
 	}
-	if ( turns > 50 ) {
-		s.rest = s.path = HUGE_VAL; // the rounding does not cover that
-	}
+	if ( turns > 50 ) s.rest = s.path = HUGE_VAL; // the rounding does not cover that
 	return s;
 }
 static double spheres_room( const part* a, const part* b, const pair* p, const window* w ) {
 	side x = side_of( a, 1, w ), y = side_of( b, !p->object, w );
 	double gap = norm( sub( y.middle, x.middle ) );
-	if ( unbounded( b->shape ) ) {
-		gap = dot( y.pose.c[2], sub( x.middle, y.pose.t ) );
-		gap = b->shape->kind == PLANE ? fabs( gap ) : gap;
-	}
+	if ( unbounded( b->shape ) ) gap = dot( y.pose.c[2], sub( x.middle, y.pose.t ) );
+	if ( b->shape->kind == PLANE ) gap = fabs( gap );
 	return gap - x.radius - y.radius - x.path - y.path - p->need - rounding;
 }
 static double plane_room( const part* a, const part* b, const pair* p, const window* w, vec n ) {
 	side x = side_of( a, 1, w ), y = side_of( b, !p->object, w );
-	if ( unbounded( b->shape ) ) { // its own plane, seen from the side that it may be seen from
-		n = b->shape->kind == PLANE && dot( n, y.pose.c[2] ) > 0 ? y.pose.c[2] : scale( -1, y.pose.c[2] );
-	}
+	// Of a plane: its own, from the side that it may be seen from
+	if ( unbounded( b->shape ) ) n = b->shape->kind == PLANE && dot( n, y.pose.c[2] ) > 0 ? y.pose.c[2] : scale( -1, y.pose.c[2] );
 	double room = HUGE_VAL;
 	for ( int s = -1; s <= 1; s += 2 ) {
 		vec up = add( n, scale( s, cross( n, x.turn ) ) ), down = scale( -1, add( n, scale( s, cross( n, y.turn ) ) ) );
 		double top = support( a->shape, a->range, rotate_back( &x.pose, up ), norm( up ), -HUGE_VAL ) + dot( up, x.pose.t ) + s * dot( n, x.shift );
 		double bottom = dot( n, y.pose.t );
-		if ( !unbounded( b->shape ) ) {
-			bottom = s * dot( n, y.shift ) - support( b->shape, b->range, rotate_back( &y.pose, down ), norm( down ), -HUGE_VAL ) - dot( down, y.pose.t );
-		}
+		if ( !unbounded( b->shape ) ) bottom = s * dot( n, y.shift ) - support( b->shape, b->range, rotate_back( &y.pose, down ), norm( down ), -HUGE_VAL ) - dot( down, y.pose.t );
 		room = fmin( room, bottom - top );
 	}
 	return room - x.rest - y.rest - p->need - rounding;
 }
 static uint64_t windows;
-static uint32_t piece;
 static void demand( double room, const pair* p, const window* w, const char* test ) {
 	++windows;
 	if ( !( room > 0 ) ) {
@@ -483,9 +488,8 @@ static void check( const pair* p, part a, part b, unsigned degree, window* w ) {
 		}
 		check( p, a, b, degree, w->halves[0] );
 		check( p, a, b, degree, w->halves[1] );
-	} else if ( word == 1 ) {
-		demand( spheres_room( &a, &b, p, w ), p, w, "the distance of two spheres" );
-	} else if ( word <= 4 ) {
+	} else if ( word == 1 ) demand( spheres_room( &a, &b, p, w ), p, w, "the distance of two spheres" );
+	else if ( word <= 4 ) {
 		double n[3];
 		int bytes = 1 << ( word - 2 ); // two's complement, all three scaled alike
 		for ( int i = 0; i < 3; ++i ) n[i] = (int32_t)( (uint32_t)little_endian( bytes ) << ( 32 - 8 * bytes ) );
@@ -501,19 +505,16 @@ static void check( const pair* p, part a, part b, unsigned degree, window* w ) {
 		check( p, a, b, degree, w );
 		divided->range = second_half( s->ranges, i );
 		check( p, a, b, degree, w );
-	} else {
-		damaged( "an unknown word" );
-	}
+	} else damaged( "an unknown word" );
 }
 static void check_piece( unsigned degree, const double* points ) {
+	make_tubes();
 	window* whole = new_window( points, degree, 0, 1 );
 	uint64_t by_spheres = count();
 	for ( uint32_t i = 0; i < pair_count; ++i ) {
 		const pair* p = pairs + i;
-		if ( piece > 0 && !p->moves ) {
-			continue; // at rest: proved on the first piece
-		}
-		part a = { p->a, p->a->shape, 0, p->a->owner, p->ancestor }, b = { p->b, p->b->shape, 0, p->b->owner, p->ancestor };
+		if ( piece > 0 && !p->moves ) continue; // at rest: proved on the first piece
+		part a = { p->a, p->a->shape, 0, p->a->owner, p->ancestor, p->late }, b = { p->b, p->b->shape, 0, p->b->owner, p->ancestor, p->late };
 		if ( by_spheres > 0 ) {
 			--by_spheres;
 			demand( spheres_room( &a, &b, p, whole ), p, whole, "the distance of two spheres" );
@@ -541,41 +542,40 @@ static double rounding_of( const double* points, size_t n ) {
 	return 1e-10 * ( robot + body + obstacle );
 }
 static void check_motion( void ) {
-	uint32_t pieces = count_of( 9 );
-	size_t n = variable_count, used = 1;
-	checked( n, 1, 1e6 );
-	checked( pieces, 1, 1e9 );
-	unsigned char* degrees = new_array( pieces, 1 );
-	double* points = new_array( ( file_size - at ) / 8, sizeof( double ) );
-	for ( uint32_t k = 0; k <= pieces; ++k ) { // the first point, then each piece's others: pieces are joined
+	double begin = real( -1e9, 1e9 );
+	piece_count = count_of( 17 );
+	size_t n = variable_count;
+	checked( variable_count, 1, 1e6 );
+	checked( piece_count, 1, 1e9 );
+	rows = new_array( piece_count + 1, sizeof( *rows ) );
+	double* q = points_of_all = new_array( ( file_size - at ) / 8, sizeof( double ) );
+	times = new_array( piece_count + 1, sizeof( double ) ), timely = new_array( n, sizeof( double ) ), late = new_array( n, sizeof( double ) );
+	times[0] = begin;
+	for ( uint32_t k = 0; k <= piece_count; ++k ) { // the first point, then each piece's others: pieces are joined
 		unsigned degree = k > 0 ? byte() : 1;
 		checked( degree, 1, 7 );
-		degrees[k] = (unsigned char)degree;
-		for ( size_t i = 0; i < degree * n; ++i ) points[( k > 0 ? used : 0 ) * n + i] = real( -1000, 1000 );
-		used += k > 0 ? degree : 0;
+		if ( k > 0 ) times[k] = times[k - 1] + real( 0, 1e9 ), rows[k] = rows[k - 1] + degree;
+		for ( size_t i = 0; i < degree * n; ++i ) *q++ = real( -1000, 1000 );
 	}
-	rounding = rounding_of( points, used );
+	size_t used = rows[piece_count] + 1;
+	for ( size_t i = 0; i < used * n; ++i ) variables[i % n].moves |= points_of_all[i] != points_of_all[i % n];
+	make_pairs();
+	rounding = rounding_of( points_of_all, used );
 	if ( file_size - at < 32 ) damaged( "it ends too early" );
 	file_size -= 32; // of the last SHA-256
-	size_t first = 0;
-	for ( piece = 0; piece < pieces; first += degrees[++piece] ) check_piece( degrees[piece + 1], points + first * n );
+	for ( piece = 0; piece < piece_count; ++piece ) check_piece( (unsigned)( rows[piece + 1] - rows[piece] ), points_of_all + rows[piece] * n );
 	unsigned outside = 0;
-	for ( size_t i = 0; i < used * n; ++i ) outside += !( points[i] >= variables[i % n].lower - 1e-5 && points[i] <= variables[i % n].upper + 1e-5 );
+	for ( size_t i = 0; i < used * n; ++i ) outside += !( points_of_all[i] >= variables[i % n].lower - 1e-5 && points_of_all[i] <= variables[i % n].upper + 1e-5 );
 	if ( at != file_size ) damaged( "bytes follow the proof" );
-	printf( "accepted: %u pieces, %u pairs (%s), %llu windows; distances > %.9g m; joint limits %s; %u pairs may touch and are not proved\n",
-		pieces, pair_count, claims == 3 ? "obstacles and links" : claims == 1 ? "obstacles" : "links", (unsigned long long)windows, min_d,
-		outside ? "exceeded" : "kept", allowed_count );
-	free( degrees ), free( points );
+	printf( "accepted: %u pieces from %g to %g s, %u pairs (%s), %llu windows; distances > %.9g m; joint limits %s; %u pairs may touch and are not proved\n",
+		piece_count, times[0], times[piece_count], pair_count, claims == 3 ? "obstacles and links" : claims == 1 ? "obstacles" : "links", (unsigned long long)windows,
+		min_d, outside ? "exceeded" : "kept", allowed_count );
 }
 
 int main( int argc, char** argv ) {
 	const char* name = NULL;
-	int lists = 0, files = 0;
-	for ( int i = 1; i < argc; ++i ) {
-		if ( strcmp( argv[i], "--files" ) == 0 ) files = 1;
-		else if ( strcmp( argv[i], "--pairs" ) == 0 ) lists = 1;
-		else name = argv[i];
-	}
+	int lists = 0, files = 0, i = 1;
+	for ( ; i < argc; ++i ) strcmp( argv[i], "--files" ) == 0 ? files = 1 : strcmp( argv[i], "--pairs" ) == 0 ? lists = 1 : ( name = argv[i], 0 );
 	FILE* in = name ? fopen( name, "rb" ) : NULL;
 	if ( !in ) {
 		printf( "damaged: no certificate can be read; usage: check [--files] [--pairs] FILE\n" );
@@ -589,10 +589,9 @@ int main( int argc, char** argv ) {
 	}
 	fclose( in );
 	read_model( files );
-	make_pairs();
 	check_motion();
-	for ( uint32_t i = 0; i < allowed_count && lists; ++i ) {
-		const rule* r = allowed + i;
+	for ( uint32_t k = 0; k < allowed_count && lists; ++k ) {
+		const rule* r = allowed + k;
 		printf( "not proved: %s - %s (%s)\n", links[r->a].name, r->object ? objects[r->b] : links[r->b].name, r->reason );
 	}
 	return 0;

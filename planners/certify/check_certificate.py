@@ -26,10 +26,8 @@ INFINITE = math.inf
 
 class Damaged(Exception):
     """The file is not of the form that FORMAT.md describes."""
-
 class Rejected(Exception):
     """A claim does not follow."""
-
 def need(good, why):
     if not good:
         raise Damaged(why)
@@ -38,35 +36,25 @@ def need(good, why):
 
 def add(a, b):
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
-
 def sub(a, b):
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
-
 def scaled(s, a):
     return (s * a[0], s * a[1], s * a[2])
-
 def dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
 def cross(a, b):
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
 def norm(a):
     return math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
-
 def turned(pose, v):
     (a, b, c), (x, y, z) = pose[0], v
     return (a[0] * x + b[0] * y + c[0] * z, a[1] * x + b[1] * y + c[1] * z, a[2] * x + b[2] * y + c[2] * z)
-
 def turned_back(pose, v):
     return (dot(pose[0][0], v), dot(pose[0][1], v), dot(pose[0][2], v))
-
 def placed(pose, v):
     return add(turned(pose, v), pose[1])
-
 def product(a, b):
     return ((turned(a, b[0][0]), turned(a, b[0][1]), turned(a, b[0][2])), placed(a, b[1]))
-
 def pose_of(numbers):
     """From x, y, z and a quaternion x, y, z, w of any length."""
     size = math.sqrt(sum(v * v for v in numbers[3:]))
@@ -82,15 +70,12 @@ def pose_of(numbers):
 class Reader:
     def __init__(self, data):
         self.data, self.at = data, 0
-
     def take(self, size):
         need(self.at + size <= len(self.data), "it ends too early")
         self.at += size
         return self.data[self.at - size:self.at]
-
     def byte(self):
         return self.take(1)[0]
-
     def count(self):
         value = 0
         for shift in range(0, 35, 7):
@@ -100,26 +85,20 @@ class Reader:
                 need(value <= 0x7fffffff, "a count is too large")
                 return value
         raise Damaged("a count is too large")
-
     def count_of(self, least_bytes):
         n = self.count()
         need(n <= (len(self.data) - self.at) // least_bytes, "it ends too early")
         return n
-
     def words(self):
         return self.take(self.count()).decode("utf-8", "replace")
-
     def reals(self, n, form="d"):
         return list(struct.unpack(f"<{n}{form}", self.take(n * (8 if form == "d" else 4))))
-
     def real(self):
         return self.reals(1)[0]
-
     def digest(self):
         wanted = hashlib.sha256(self.data[:self.at]).hexdigest()
         need(self.take(32).hex() == wanted, "a SHA-256 does not fit")
         return wanted
-
     def link(self):
         link = {"name": self.words(), "joint": self.words(), "parent": self.count(), "origin": self.reals(7), "type": self.byte()}
         if link["type"] != FIXED:
@@ -128,7 +107,6 @@ class Reader:
             link["variable"] = variable - 1 if variable else None
             link["multiplier"], link["offset"] = self.reals(2)
         return link
-
     def shape(self):
         shape = {"source": self.words(), "kind": self.byte()}
         flags = self.byte()
@@ -138,19 +116,15 @@ class Reader:
         shape["numbers"] = self.reals(self.count_of(4 if flags & 1 else 8), "f" if flags & 1 else "d")
         shape["corners"] = [self.count() for _ in range(self.count_of(1))]
         return shape
-
     def placed(self):
         return [{"owner": self.count(), "shape": self.count(), "pose": self.reals(7)} for _ in range(self.count_of(58))]
-
     def rules(self, with_value):
         return [{"object": self.byte(), "a": self.count(), "b": self.count(),
             ("margin" if with_value else "reason"): self.real() if with_value else self.words()} for _ in range(self.count_of(4))]
-
     def model(self):
-        need(self.take(8) == b"LWCERT1\n", "it is no certificate of version 1")
-        model = {"version": 1, "min_d": self.real(), "claims": self.byte()}
-        model["sources"] = [{"name": self.words(), "sha256": self.take(32).hex()} for _ in range(self.count_of(33))]
-        model["variables"] = [dict(zip(("name", "lower", "upper", "tolerance"), [self.words()] + self.reals(3))) for _ in range(self.count_of(25))]
+        need(self.take(8) == b"LWCERT2\n", "it is no certificate of version 2")
+        model = {"version": 2, "claims": self.byte()}
+        model["variables"] = [dict(zip(("name", "lower", "upper"), [self.words()] + self.reals(2))) for _ in range(self.count_of(17))]
         model["links"] = [self.link() for _ in range(self.count_of(60))]
         model["shapes"] = [self.shape() for _ in range(self.count_of(20))]
         model["bodies"] = self.placed()
@@ -160,17 +134,21 @@ class Reader:
         model["margins"] = self.rules(True)
         model["model_sha256"] = self.digest()
         return model
-
     def content(self):
         """All of it; the proof stays as bytes."""
         model = self.model()
         variables = len(model["variables"])
-        pieces = self.count_of(9)
-        model["start"] = self.reals(variables)
-        model["pieces"] = []
+        model["min_d"] = self.real()
+        model["sources"] = [{"name": self.words(), "sha256": self.take(32).hex()} for _ in range(self.count_of(33))]
+        for variable in model["variables"]:
+            variable.update(zip(("track", "tolerance", "lag", "spread", "since"), [self.count()] + self.reals(4)))
+        model["begin"] = self.real()
+        pieces = self.count_of(17)
+        model["start"], model["seconds"], model["pieces"] = self.reals(variables), [], []
         for _ in range(pieces):
             degree = self.byte()
             need(1 <= degree <= 7, "a degree is not 1 to 7")
+            model["seconds"].append(self.real())
             model["pieces"].append([self.reals(variables) for _ in range(degree)])
         need(len(self.data) - self.at >= 32, "it ends too early")
         model["proof"] = self.take(len(self.data) - self.at - 32).hex()
@@ -315,17 +293,19 @@ class Placed:
         return norm(self.pose[1]) + (0 if self.shape.unbounded else norm(self.shape.ranges[0][2]) + norm(self.shape.ranges[0][3]))
 
 class Pair:
-    def __init__(self, a, b, is_object, ancestor, moves, distance):
-        self.a, self.b, self.is_object, self.ancestor, self.moves, self.need = a, b, is_object, ancestor, moves, distance
+    def __init__(self, a, b, is_object, ancestor, between, distance):
+        self.a, self.b, self.is_object, self.ancestor, self.between, self.need = a, b, is_object, ancestor, between, distance
+        self.moves, self.late = bool(between), False  # late: variables of several tracks move between them
 
 class Model:
     def __init__(self, content):
-        need(content["version"] == 1 and content["claims"] in (1, 2, 3), "an unknown version or claim")
+        need(content["version"] == 2 and content["claims"] in (1, 2, 3), "an unknown version or claim")
         self.min_d, self.claims = content["min_d"], content["claims"]
         need(0 <= self.min_d <= 1e6, "a number is out of its range")
         self.variables = content["variables"]
-        self.tolerances = [v["tolerance"] for v in self.variables]
-        need(len(self.variables) >= 1 and all(0 <= t <= 1000 for t in self.tolerances), "a tolerance is out of its range")
+        need(len(self.variables) >= 1, "there are no variables")
+        for v in self.variables:
+            need(0 <= v["tolerance"] <= 1000 and 0 <= v["lag"] <= 1e6 and 0 <= v["spread"] <= 1e6 and abs(v["since"]) <= 1e9, "a tolerance is out of its range")
         self.links = []
         for number, given in enumerate(content["links"]):
             self.links.append(Link(given, number, self.links, len(self.variables)))
@@ -363,16 +343,14 @@ class Model:
         key = self.key(is_object, a.owner, b.owner)
         if key in self.free_of_proof:
             return
-        x, y, moves = a.owner, 0 if is_object else b.owner, False
+        x, y, between = a.owner, 0 if is_object else b.owner, set()
         while x != y:  # up to the lowest link above both
-            if self.links[x].depth >= self.links[y].depth:
-                moves = moves or self.links[x].variable is not None
-                x = self.links[x].parent
-            else:
-                moves = moves or self.links[y].variable is not None
-                y = self.links[y].parent
-        if is_object or moves:
-            yield Pair(a, b, is_object, x, moves, self.min_d + self.margins.get(key, 0))
+            x, y = (x, y) if self.links[x].depth >= self.links[y].depth else (y, x)
+            between.add(self.links[x].variable)
+            x = self.links[x].parent
+        between.discard(None)
+        if is_object or between:
+            yield Pair(a, b, is_object, x, between, self.min_d + self.margins.get(key, 0))
 
     def rounding(self, points):
         """Metres that cover the rounding of every test: 1e-10 of all lengths. FORMAT.md, "Rounding"."""
@@ -396,14 +374,14 @@ def halves(points):
     return first, second[::-1]
 
 class Window:
-    def __init__(self, model, points, begin, end):
-        self.model, self.points, self.begin, self.end = model, points, begin, end
+    def __init__(self, model, points, begin, end, tubes):
+        self.model, self.points, self.begin, self.end, self.tubes = model, points, begin, end, tubes
         self.parts, self.poses, self.sides = None, [], {}
         middle = halves(points)[0][-1]
         degree = len(points) - 1
         self.speed = [0.5 * (b - a) for a, b in zip(points[0], points[-1])]
         # |value - middle - s speed| <= rest for an s in [-1, 1]
-        self.rest = [max(abs(p[j] - middle[j] - (2 * i / degree - 1) * self.speed[j]) for i, p in enumerate(points)) + model.tolerances[j]
+        self.rest = [max(abs(p[j] - middle[j] - (2 * i / degree - 1) * self.speed[j]) for i, p in enumerate(points)) + tubes[0][j]
             for j in range(len(middle))]
         for number, link in enumerate(model.links):
             pose = link.origin
@@ -418,12 +396,12 @@ class Window:
             middle = 0.5 * (self.begin + self.end)
             need(self.end - self.begin > 1e-15, "a window is too short")
             first, second = halves(self.points)
-            self.parts = (Window(self.model, first, self.begin, middle), Window(self.model, second, middle, self.end))
+            self.parts = (Window(self.model, first, self.begin, middle, self.tubes), Window(self.model, second, middle, self.end, self.tubes))
         return self.parts
 
-    def side(self, body, place, on_link, ancestor):
+    def side(self, body, place, on_link, ancestor, late):
         """One side of a pair, and how it moves: pose, middle, radius, turn, shift, rest, path. FORMAT.md, "Motion in a window"."""
-        key = (id(body), place, ancestor)
+        key = (id(body), place, ancestor, late)
         if key in self.sides:
             return self.sides[key]
         pose = product(self.poses[body.owner], body.pose) if on_link else body.pose
@@ -435,7 +413,8 @@ class Window:
         while on_link and at != ancestor:
             link = self.model.links[at]
             if link.variable is not None:
-                speed, free = link.multiplier * self.speed[link.variable], abs(link.multiplier) * self.rest[link.variable]
+                tube = self.rest[link.variable] + (self.tubes[1][link.variable] if late else 0)
+                speed, free = link.multiplier * self.speed[link.variable], abs(link.multiplier) * tube
                 e, axis, origin = abs(speed) + free, turned(self.poses[at], link.axis), self.poses[at][1]
                 if link.type == SHIFT:
                     shift, rest, path, below = add(shift, scaled(speed, axis)), rest + free, path + e, below + e
@@ -462,10 +441,32 @@ class Proof:
             need(1 <= len(points) <= 7 and all(len(p) == len(start) for p in points), "a piece is not of degree 1 to 7")
             self.pieces.append([last] + [finite(p, 1000) for p in points])
             last = points[-1]
-        need(self.pieces and len(start) == len(model.variables), "there is no motion")
+        need(self.pieces and len(start) == len(model.variables) and len(content["seconds"]) == len(self.pieces), "there is no motion")
+        self.times = [content["begin"]]
+        for seconds in content["seconds"]:
+            need(0 <= seconds <= 1e9, "a time is out of its range")
+            self.times.append(self.times[-1] + seconds)
+        finite(self.times[:1], 1e9)
         self.points = [start] + [p for piece in self.pieces for p in piece[1:]]
         self.rounding = model.rounding(self.points)
         self.number, self.pair = 0, None
+
+    def tubes(self, k):
+        """How far each variable may be from piece k, and how much farther beside another track. FORMAT.md, "One clock"."""
+        timely, late, times = [], [], self.times
+        most = max(v["lag"] for v in self.model.variables)
+        for j, v in enumerate(self.model.variables):
+            timely.append(v["tolerance"] + v["spread"] * max(0, min(times[k + 1] + most, times[-1]) - v["since"]))
+            values, speed = [0], 0
+            if v["lag"] > 0:
+                near = [i for i in range(len(self.pieces)) if times[i] <= times[k + 1] + v["lag"] + 1e-6 and times[i + 1] >= times[k] - v["lag"] - 1e-6]
+                values = [p[j] for i in near for p in self.pieces[i]]
+                for i in near:
+                    step = max(abs(q[j] - p[j]) for p, q in zip(self.pieces[i], self.pieces[i][1:])) * (len(self.pieces[i]) - 1)
+                    if step > 0:
+                        speed = max(speed, step / (times[i + 1] - times[i]) if times[i + 1] > times[i] else INFINITE)
+            late.append(min(max(values) - min(values), v["lag"] * speed))
+        return timely, late
 
     def demand(self, room, window, test):
         self.windows += 1
@@ -477,8 +478,8 @@ class Proof:
 
     def spheres(self, a, b, window):
         p = self.pair
-        pose_a, middle_a, radius_a, _, _, _, path_a = window.side(p.a, a, True, p.ancestor)
-        pose_b, middle_b, radius_b, _, _, _, path_b = window.side(p.b, b, not p.is_object, p.ancestor)
+        pose_a, middle_a, radius_a, _, _, _, path_a = window.side(p.a, a, True, p.ancestor, p.late)
+        pose_b, middle_b, radius_b, _, _, _, path_b = window.side(p.b, b, not p.is_object, p.ancestor, p.late)
         gap = norm(sub(middle_b, middle_a))
         if p.b.shape.unbounded:
             gap = dot(pose_b[0][2], sub(middle_a, pose_b[1]))
@@ -487,8 +488,8 @@ class Proof:
 
     def plane(self, a, b, window, n):
         p = self.pair
-        pose_a, _, _, turn_a, shift_a, rest_a, _ = window.side(p.a, a, True, p.ancestor)
-        pose_b, _, _, turn_b, shift_b, rest_b, _ = window.side(p.b, b, not p.is_object, p.ancestor)
+        pose_a, _, _, turn_a, shift_a, rest_a, _ = window.side(p.a, a, True, p.ancestor, p.late)
+        pose_b, _, _, turn_b, shift_b, rest_b, _ = window.side(p.b, b, not p.is_object, p.ancestor, p.late)
         if p.b.shape.unbounded:  # its own plane, from the side that it may be seen from
             up = pose_b[0][2]
             n = up if p.b.shape.kind == PLANE and dot(n, up) > 0 else scaled(-1, up)
@@ -497,9 +498,8 @@ class Proof:
             up = add(n, scaled(s, cross(n, turn_a)))
             down = scaled(-1, add(n, scaled(s, cross(n, turn_b))))
             top = p.a.shape.support(a, turned_back(pose_a, up)) + dot(up, pose_a[1]) + s * dot(n, shift_a)
-            if p.b.shape.unbounded:
-                bottom = dot(n, pose_b[1])
-            else:
+            bottom = dot(n, pose_b[1])
+            if not p.b.shape.unbounded:
                 bottom = s * dot(n, shift_b) - p.b.shape.support(b, turned_back(pose_b, down)) - dot(down, pose_b[1])
             room = min(room, bottom - top)
         self.demand(room - rest_a - rest_b - p.need - self.rounding, window, "a separating plane")
@@ -526,9 +526,12 @@ class Proof:
             raise Damaged("an unknown word")
 
     def run(self):
-        pairs = list(self.model.pairs())
+        pairs, variables = list(self.model.pairs()), self.model.variables
+        moving = {j for j in range(len(variables)) if any(p[j] != self.points[0][j] for p in self.points)}
+        for pair in pairs:
+            pair.late = len({variables[j]["track"] for j in pair.between & moving}) > 1
         for self.number, points in enumerate(self.pieces):
-            window, by_spheres = Window(self.model, points, 0, 1), self.read.count()
+            window, by_spheres = Window(self.model, points, 0, 1, self.tubes(self.number)), self.read.count()
             for self.pair in pairs:
                 if self.number > 0 and not self.pair.moves:
                     continue  # at rest: proved on the first piece
@@ -543,7 +546,7 @@ class Proof:
         limits = [(v["lower"] - 1e-5, v["upper"] + 1e-5) for v in self.model.variables]
         kept = all(low <= x <= high for p in self.points for x, (low, high) in zip(p, limits))
         claim = {1: "obstacles", 2: "links", 3: "obstacles and links"}[self.model.claims]
-        return (f"accepted: {len(self.pieces)} pieces, {len(pairs)} pairs ({claim}), {self.windows} windows; distances > {self.model.min_d:.9g} m; "
+        return (f"accepted: {len(self.pieces)} pieces from {self.times[0]:g} to {self.times[-1]:g} s, {len(pairs)} pairs ({claim}), {self.windows} windows; distances > {self.model.min_d:.9g} m; "
             f"joint limits {'kept' if kept else 'exceeded'}; {len(self.model.allowed)} pairs may touch and are not proved")
 
 def content_of(data):

@@ -5,10 +5,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 
 namespace leeway::certify
 {
@@ -54,10 +52,8 @@ std::array<Vec, 2> planeOf( const Vec& n )
 class Builder
 {
 public:
-	Builder( const io::Problem& problem, const io::RobotModel& robot, const std::vector<Piece>& pieces,
-	    const Settings& settings, const std::string& file )
-	    : m_problem( problem ), m_robot( robot ), m_core( problem.robot.get() ), m_pieces( pieces ), m_settings( settings ),
-	      m_file( file )
+	Builder( const io::Problem& problem, const io::RobotModel& robot, const double* state, const std::string& file )
+	    : m_problem( problem ), m_robot( robot ), m_core( problem.robot.get() ), m_state( state ), m_file( file )
 	{
 		for ( const io::JointModel& joint : robot.joints )
 		{
@@ -68,10 +64,9 @@ public:
 			m_group[problem.variables[i]] = i;
 		}
 	}
-	Model build();
+	Model build( lw_check_flags flags );
 
 private:
-	void addSources();
 	void addLinks();
 	void addJoint( std::uint32_t joint );
 	void addLink( const std::string& name, const std::string& joint, std::uint32_t parent, const StoredPose& origin,
@@ -87,8 +82,7 @@ private:
 	const io::Problem& m_problem;
 	const io::RobotModel& m_robot;
 	const lw_robot* m_core;
-	const std::vector<Piece>& m_pieces;
-	const Settings& m_settings;
+	const double* m_state; ///< [group variables]
 	const std::string& m_file;
 	std::map<std::string, const io::JointModel*> m_joints;
 	std::map<std::uint32_t, std::uint32_t> m_group; ///< robot variable -> variable of the certificate
@@ -96,21 +90,6 @@ private:
 	std::map<const lw_shape*, std::uint32_t> m_shapes;
 	Model m_model;
 };
-
-void Builder::addSources()
-{
-	for ( const std::string& name : m_settings.sources )
-	{
-		std::ifstream in( name, std::ios::binary );
-		std::ostringstream text;
-		text << in.rdbuf();
-		if ( !in )
-		{
-			throw io::Error( name, "SHA-256", "the file cannot be read again", "leave it where it is while leeway runs" );
-		}
-		m_model.sources.push_back( { name.substr( name.rfind( '/' ) + 1 ), sha256( text.str() ) } );
-	}
-}
 
 void Builder::addLink( const std::string& name, const std::string& joint, std::uint32_t parent, const StoredPose& origin,
     Link::Type type, const Vec& axis, std::uint32_t variable, double multiplier, double offset )
@@ -142,19 +121,7 @@ void Builder::addFloating( std::uint32_t joint, const StoredPose& origin, std::u
 	{
 		rotation[3 + k] = m_problem.reference[first + 3 + k];
 		const auto found = m_group.find( first + 3 + k );
-		for ( const Piece& piece : m_pieces )
-		{
-			for ( std::size_t at = 0; found != m_group.end() && at <= piece.degree; ++at )
-			{
-				const double value = piece.points[at * m_problem.variables.size() + found->second];
-				if ( value != m_pieces.front().points[found->second] )
-				{
-					throw io::Error( m_file, "joint " + name, "certificates cannot hold a floating joint that turns",
-					    "plan for a group without this joint" );
-				}
-				rotation[3 + k] = value;
-			}
-		}
+		rotation[3 + k] = found != m_group.end() ? m_state[found->second] : rotation[3 + k];
 	}
 	for ( std::uint32_t k = 0; k < 3; ++k )
 	{
@@ -255,8 +222,8 @@ void Builder::addVariables()
 	{
 		const lw_variable_info info = lw_robot_variable( m_core, m_problem.variables[i] );
 		const double infinite = std::numeric_limits<double>::infinity();
-		m_model.variables.push_back( { m_problem.variable_names[i], info.wraps ? -infinite : info.lower,
-		    info.wraps ? infinite : info.upper, m_settings.tolerance.empty() ? 0 : m_settings.tolerance[i] } );
+		m_model.variables.push_back(
+		    { m_problem.variable_names[i], info.wraps ? -infinite : info.lower, info.wraps ? infinite : info.upper } );
 	}
 }
 
@@ -414,11 +381,9 @@ void Builder::addMargins()
 	}
 }
 
-Model Builder::build()
+Model Builder::build( lw_check_flags flags )
 {
-	m_model.min_d = m_settings.min_d;
-	m_model.claims = m_settings.flags;
-	addSources();
+	m_model.claims = flags;
 	addLinks();
 	addVariables();
 	addBodies();
@@ -455,10 +420,10 @@ std::uint32_t ancestorOf( const Model& model, std::uint32_t a, std::uint32_t b, 
 
 } // namespace
 
-Model modelOf( const io::Problem& problem, const io::RobotModel& robot, const std::vector<Piece>& pieces,
-    const Settings& settings, const std::string& file )
+Model modelOf( const io::Problem& problem, const io::RobotModel& robot, const double* state, lw_check_flags flags,
+    const std::string& file )
 {
-	return Builder( problem, robot, pieces, settings, file ).build();
+	return Builder( problem, robot, state, file ).build( flags );
 }
 
 std::vector<Pair> pairsOf( const Model& model )
@@ -505,85 +470,6 @@ std::vector<Pair> pairsOf( const Model& model )
 		}
 	}
 	return pairs;
-}
-
-std::array<std::uint8_t, 32> sha256( const std::string& bytes )
-{
-	// Fractional parts of square and cube roots of the first primes, computed exactly enough by long double
-	static const std::array<std::uint32_t, 72> constants = []
-	{
-		std::array<std::uint32_t, 72> table{};
-		unsigned count = 0;
-		for ( unsigned n = 2; count < 64; ++n )
-		{
-			bool prime = true;
-			for ( unsigned i = 2; i * i <= n; ++i )
-			{
-				prime = prime && n % i != 0;
-			}
-			if ( prime )
-			{
-				const auto fraction = []( long double root )
-				{ return static_cast<std::uint32_t>( ( root - std::floor( root ) ) * 4294967296.0L ); };
-				table[count] = fraction( std::cbrt( static_cast<long double>( n ) ) );
-				if ( count < 8 )
-				{
-					table[64 + count] = fraction( std::sqrt( static_cast<long double>( n ) ) );
-				}
-				++count;
-			}
-		}
-		return table;
-	}();
-	std::string text = bytes;
-	text.push_back( '\x80' );
-	text.append( ( 120 - text.size() % 64 ) % 64, '\0' );
-	for ( int shift = 56; shift >= 0; shift -= 8 )
-	{
-		text.push_back( static_cast<char>( ( std::uint64_t( bytes.size() ) * 8 ) >> shift ) );
-	}
-	std::array<std::uint32_t, 8> state{};
-	std::copy_n( constants.begin() + 64, 8, state.begin() );
-	const auto turned = []( std::uint32_t x, int n ) { return ( x >> n ) | ( x << ( 32 - n ) ); };
-	for ( std::size_t block = 0; block < text.size(); block += 64 )
-	{
-		std::uint32_t w[64];
-		for ( std::size_t i = 0; i < 64; ++i )
-		{
-			if ( i < 16 )
-			{
-				w[i] = 0;
-				for ( std::size_t k = 0; k < 4; ++k )
-				{
-					w[i] = w[i] << 8 | static_cast<std::uint8_t>( text[block + 4 * i + k] );
-				}
-				continue;
-			}
-			const std::uint32_t a = turned( w[i - 15], 7 ) ^ turned( w[i - 15], 18 ) ^ ( w[i - 15] >> 3 );
-			const std::uint32_t b = turned( w[i - 2], 17 ) ^ turned( w[i - 2], 19 ) ^ ( w[i - 2] >> 10 );
-			w[i] = w[i - 16] + a + w[i - 7] + b;
-		}
-		std::array<std::uint32_t, 8> s = state;
-		for ( std::size_t i = 0; i < 64; ++i )
-		{
-			const std::uint32_t choice = ( s[4] & s[5] ) ^ ( ~s[4] & s[6] );
-			const std::uint32_t one =
-			    s[7] + ( turned( s[4], 6 ) ^ turned( s[4], 11 ) ^ turned( s[4], 25 ) ) + choice + constants[i] + w[i];
-			const std::uint32_t most = ( s[0] & s[1] ) ^ ( s[0] & s[2] ) ^ ( s[1] & s[2] );
-			const std::uint32_t two = ( turned( s[0], 2 ) ^ turned( s[0], 13 ) ^ turned( s[0], 22 ) ) + most;
-			s = { one + two, s[0], s[1], s[2], s[3] + one, s[4], s[5], s[6] };
-		}
-		for ( std::size_t i = 0; i < 8; ++i )
-		{
-			state[i] += s[i];
-		}
-	}
-	std::array<std::uint8_t, 32> digest{};
-	for ( std::size_t i = 0; i < 32; ++i )
-	{
-		digest[i] = static_cast<std::uint8_t>( state[i / 4] >> ( 24 - 8 * ( i % 4 ) ) );
-	}
-	return digest;
 }
 
 } // namespace leeway::certify

@@ -14,12 +14,6 @@ namespace leeway::certify
 
 constexpr std::uint32_t nothing = 0xffffffffU;
 
-struct Source
-{
-	std::string name;
-	std::array<std::uint8_t, 32> digest;
-};
-
 /// A link and the joint above it. Links are listed after their parents; the first is the root.
 struct Link
 {
@@ -41,7 +35,7 @@ struct Link
 struct Variable
 {
 	std::string name;
-	double lower, upper, tolerance;
+	double lower, upper;
 };
 
 /// A shape on a link, or of an object.
@@ -65,11 +59,10 @@ struct Margin
 	double value;
 };
 
+/// What all motions of a robot in a scene have alike.
 struct Model
 {
-	double min_d = 0;
 	unsigned claims = 3; ///< lw_check_flags
-	std::vector<Source> sources;
 	std::vector<Link> links;
 	std::vector<Variable> variables;
 	std::vector<Shape> shapes;
@@ -88,16 +81,38 @@ struct Pair
 	double margin;
 	std::uint32_t ancestor; ///< the link from which both motions are seen
 	bool moves;             ///< variables of the group change the relative pose
+	bool late = false;      ///< those of several tracks
 };
 
-/// @throws io::Error for a moving quaternion
-Model modelOf( const io::Problem& problem, const io::RobotModel& robot, const std::vector<Piece>& pieces,
-    const Settings& settings, const std::string& file );
+/// How far variables may be from a piece of the motion, beside its own curve.
+struct Tubes
+{
+	std::vector<double> timely; ///< [variables] tolerance and spread
+	std::vector<double> late;   ///< [variables] more, between joints of several tracks: lag
+};
+
+/// @param state [group variables] of the motion: the values of quaternions, which rest
+Model modelOf( const io::Problem& problem, const io::RobotModel& robot, const double* state, lw_check_flags flags,
+    const std::string& file );
 
 /// All pairs that must be proved, in the order of the certificate.
 std::vector<Pair> pairsOf( const Model& model );
 
-/// SHA-256 (FIPS 180-4).
-std::array<std::uint8_t, 32> sha256( const std::string& bytes );
+/// SHA-256 (FIPS 180-4) of bytes that come one after the other.
+class Digest
+{
+public:
+	void add( const char* bytes, std::size_t size );
+	/// Of all bytes so far.
+	std::array<std::uint8_t, 32> value() const;
+
+private:
+	void block( const std::uint8_t* bytes );
+
+	std::array<std::uint32_t, 8> m_state = first();
+	static std::array<std::uint32_t, 8> first();
+	std::array<std::uint8_t, 64> m_rest{};
+	std::uint64_t m_size = 0;
+};
 
 } // namespace leeway::certify

@@ -11,118 +11,98 @@ namespace
 {
 
 constexpr unsigned most_halvings = 40;
+/// Of the bound of a motion: half of the window has a quarter of it
+constexpr double box_share = 0.25;
+/// Of a part's radius: more than this is seldom between its box and its hull
+constexpr double hull_share = 0.1;
+constexpr unsigned few_halvings = 6;
 
-/// The point of a simplex nearest to the origin; corners that do not carry it are dropped.
-Vec nearest( std::vector<Vec>& corners )
+/// At most four points, of which the last one is new.
+struct Simplex
 {
-	Vec best{};
-	double least = std::numeric_limits<double>::infinity();
-	unsigned kept = 0;
-	const unsigned count = static_cast<unsigned>( corners.size() );
-	for ( unsigned set = 1; set < ( 1U << count ); ++set )
+	std::array<Vec, 4> corners;
+	unsigned count = 0;
+};
+
+/// Weights of the point nearest to the origin in the affine hull of n points; false if one is negative, or the points are not independent.
+bool weightsOf( const std::array<Vec, 4>& points, unsigned n, Vec& nearest )
+{
+	double m[3][4] = {}; // normal equations with the first point as origin, by elimination
+	std::array<Vec, 3> sides;
+	for ( unsigned i = 1; i < n; ++i )
 	{
-		// Weights of the affine hull's nearest point: normal equations by elimination, first corner as origin
-		std::array<Vec, 4> used{};
-		unsigned n = 0;
-		for ( unsigned i = 0; i < count; ++i )
+		sides[i - 1] = points[i] - points[0];
+	}
+	for ( unsigned i = 0; i + 1 < n; ++i )
+	{
+		for ( unsigned j = 0; j + 1 < n; ++j )
+		{
+			m[i][j] = dot( sides[i], sides[j] );
+		}
+		m[i][3] = -dot( sides[i], points[0] );
+	}
+	for ( unsigned i = 0; i + 1 < n; ++i )
+	{
+		if ( !( m[i][i] > 0 ) )
+		{
+			return false;
+		}
+		for ( unsigned row = 0; row + 1 < n; ++row )
+		{
+			const double factor = row != i ? m[row][i] / m[i][i] : 0;
+			for ( unsigned k = i; k < 4 && factor != 0; ++k )
+			{
+				m[row][k] -= factor * m[i][k];
+			}
+		}
+	}
+	nearest = points[0];
+	double rest = 1;
+	for ( unsigned i = 0; i + 1 < n; ++i )
+	{
+		const double weight = m[i][3] / m[i][i];
+		if ( !( weight > 0 ) )
+		{
+			return false;
+		}
+		rest -= weight;
+		nearest = nearest + weight * sides[i];
+	}
+	return rest > 0;
+}
+
+/// The point of a simplex nearest to the origin; corners that do not carry it are dropped. The newest one carries it, as it is nearer along the last
+/// direction than all others.
+Vec nearest( Simplex& simplex )
+{
+	Vec best = simplex.corners[simplex.count - 1];
+	double least = dot( best, best );
+	Simplex carrying;
+	carrying.corners[0] = best;
+	carrying.count = 1;
+	for ( unsigned set = 1; set < ( 1U << ( simplex.count - 1 ) ); ++set )
+	{
+		Simplex used;
+		used.corners[used.count++] = simplex.corners[simplex.count - 1];
+		for ( unsigned i = 0; i + 1 < simplex.count; ++i )
 		{
 			if ( ( set >> i & 1U ) != 0 )
 			{
-				used[n++] = corners[i];
+				used.corners[used.count++] = simplex.corners[i];
 			}
 		}
-		double m[3][4] = {};
-		for ( unsigned i = 1; i < n; ++i )
-		{
-			for ( unsigned j = 1; j < n; ++j )
-			{
-				m[i - 1][j - 1] = dot( used[i] - used[0], used[j] - used[0] );
-			}
-			m[i - 1][3] = -dot( used[i] - used[0], used[0] );
-		}
-		bool inside = true;
-		for ( unsigned i = 0; i + 1 < n; ++i )
-		{
-			inside = inside && m[i][i] > 0;
-			for ( unsigned row = 0; row + 1 < n && inside; ++row )
-			{
-				const double factor = row != i ? m[row][i] / m[i][i] : 0;
-				for ( unsigned k = 0; k < 4; ++k )
-				{
-					m[row][k] -= factor * m[i][k];
-				}
-			}
-		}
-		Vec point = used[0];
-		double rest = 1;
-		for ( unsigned i = 0; i + 1 < n && inside; ++i )
-		{
-			const double weight = m[i][3] / m[i][i];
-			inside = weight > 0;
-			rest -= weight;
-			point = point + weight * ( used[i + 1] - used[0] );
-		}
-		if ( inside && rest > 0 && dot( point, point ) < least )
+		Vec point;
+		if ( weightsOf( used.corners, used.count, point ) && dot( point, point ) < least )
 		{
 			least = dot( point, point );
 			best = point;
-			kept = set;
+			carrying = used;
 		}
 	}
-	std::vector<Vec> carrying;
-	for ( unsigned i = 0; i < count; ++i )
-	{
-		if ( ( kept >> i & 1U ) != 0 )
-		{
-			carrying.push_back( corners[i] );
-		}
-	}
-	corners = carrying;
+	// The newest one is the last again
+	std::rotate( carrying.corners.begin(), carrying.corners.begin() + 1, carrying.corners.begin() + carrying.count );
+	simplex = carrying;
 	return best;
-}
-
-/// A direction from hull a to hull b, and a lower bound of their distance along it; 0 if it is not above `need`.
-double hullDistance( const Motion& motion, const Part& a, const Part& b, const Window& window, double need, Vec& direction )
-{
-	const Pose pose_a = motion.poseOf( a, window ), pose_b = motion.poseOf( b, window );
-	Vec v = pose_b.placed( b.shape->ranges[b.range].middle ) - pose_a.placed( a.shape->ranges[a.range].middle );
-	std::vector<Vec> simplex;
-	double best = 0;
-	for ( int round = 0; round < 60; ++round )
-	{
-		const double size = length( v );
-		if ( size <= need || size < 1e-12 )
-		{
-			break;
-		}
-		// v points from a to b: the support points nearest to each other along it
-		Vec on_a, on_b;
-		a.shape->support( a.range, pose_a.turnedBack( v ), &on_a );
-		b.shape->support( b.range, pose_b.turnedBack( -1.0 * v ), &on_b );
-		const Vec w = pose_b.placed( on_b ) - pose_a.placed( on_a );
-		const double lower = dot( w, v ) / size;
-		if ( lower > best || round == 0 )
-		{
-			best = lower;
-			direction = ( 1 / size ) * v;
-		}
-		const bool started = !simplex.empty();
-		if ( started && size - lower <= 0.05 * ( size - need ) )
-		{
-			break;
-		}
-		if ( simplex.size() == 4 || std::find( simplex.begin(), simplex.end(), w ) != simplex.end() )
-		{
-			break;
-		}
-		simplex.push_back( w );
-		v = nearest( simplex );
-		if ( simplex.empty() )
-		{
-			break;
-		}
-	}
-	return best > need ? best : 0;
 }
 
 } // namespace
@@ -130,18 +110,22 @@ double hullDistance( const Motion& motion, const Part& a, const Part& b, const W
 struct Search::Task
 {
 	const Pair& pair;
-	double need;
+	double need; ///< with the rounding that the writer leaves
 	std::string& out;
 };
 
-bool Search::write( const Task& task, const Part& a, const Part& b, const Window& window, const Vec& direction )
+Side Search::sideOf( const Task& task, const Side& old, std::size_t range, const Window& window ) const
 {
-	const double need = task.need + m_motion.rounding();
-	if ( !( m_motion.plane( a, b, task.pair.ancestor, window, direction, need ) > 0 ) )
-	{
-		return false;
-	}
+	return old.body->on_link ? m_motion.side( *old.body, range, task.pair.ancestor, task.pair.late, window )
+	                         : m_motion.side( *old.body, range, 0, false, window );
+}
+
+/// Writes a direction with as few bits as prove the window.
+bool Search::write( const Task& task, const Side& a, const Side& b, const Vec& direction, bool boxes )
+{
 	const double largest = std::max( { std::fabs( direction[0] ), std::fabs( direction[1] ), std::fabs( direction[2] ) } );
+	// A direction of so many bits is off by 1 / scale at most, and no point's height by more than that of the distance
+	const double size = length( b.middle - a.middle ) + a.radius + b.radius;
 	for ( const unsigned bytes : { 1U, 2U, 4U } )
 	{
 		const double scale = std::ldexp( 1.0, static_cast<int>( 8 * bytes ) - 1 ) - 1;
@@ -150,7 +134,8 @@ bool Search::write( const Task& task, const Part& a, const Part& b, const Window
 		{
 			rounded[k] = std::nearbyint( direction[k] / largest * scale );
 		}
-		if ( m_motion.plane( a, b, task.pair.ancestor, window, rounded, need ) > 0 )
+		const double room = m_motion.plane( a, b, rounded, task.need, boxes );
+		if ( room > 0 )
 		{
 			task.out.push_back( static_cast<char>( bytes == 4   ? Word::plane32
 			                                       : bytes == 2 ? Word::plane16
@@ -163,18 +148,75 @@ bool Search::write( const Task& task, const Part& a, const Part& b, const Window
 					task.out.push_back( static_cast<char>( bits >> ( 8 * i ) & 0xff ) );
 				}
 			}
-			++m_windows;
+			++directions;
 			return true;
+		}
+		if ( !( room > -2 / scale * size ) )
+		{
+			return false;
 		}
 	}
 	return false;
 }
 
+/// Looks for a direction between two hulls, and writes the first one that proves the window.
+/// @param boxes in the place of the hulls
+/// @param direction of any length, where to begin if `hinted`; the best one, if it is not written
+/// @param apart a lower bound of their distance along `direction`; 0 if it is not above `need`
+/// @return true: it is written
+bool Search::separate(
+    const Task& task, const Side& a, const Side& b, bool boxes, bool hinted, Vec& direction, double& apart )
+{
+	const auto farthest = [boxes]( const Side& side, const Vec& v )
+	{
+		Vec point;
+		const Vec local = side.pose.turnedBack( v );
+		boxes ? side.body->shape->boxSupport( side.range, local, &point )
+		      : side.body->shape->support( side.range, local, &point );
+		return side.pose.placed( point );
+	};
+	const double lost = a.rest + b.rest + m_motion.rounding();
+	Vec v = hinted ? direction : b.middle - a.middle;
+	Simplex simplex;
+	apart = 0;
+	for ( int round = 0; round < 60; ++round )
+	{
+		const double size = length( v );
+		const bool is_guess = hinted && round == 0; // a direction, no difference of points
+		if ( size < 1e-12 || ( !is_guess && size <= task.need ) )
+		{
+			break;
+		}
+		// v points from a to b: the support points nearest to each other along it
+		const Vec w = farthest( b, -1.0 * v ) - farthest( a, v );
+		const double lower = dot( w, v ) / size;
+		if ( lower > apart || round == 0 )
+		{
+			apart = std::max( lower, 0.0 );
+			direction = ( 1 / size ) * v;
+			if ( lower > task.need + lost && write( task, a, b, direction, boxes ) )
+			{
+				return true;
+			}
+		}
+		const bool same = std::find( simplex.corners.begin(), simplex.corners.begin() + simplex.count, w ) !=
+		                  simplex.corners.begin() + simplex.count;
+		if ( same || simplex.count == 4 || ( simplex.count > 0 && size - lower <= 0.05 * ( size - task.need ) ) )
+		{
+			break;
+		}
+		simplex.corners[simplex.count++] = w;
+		v = nearest( simplex );
+	}
+	apart = apart > task.need ? apart : 0;
+	return false;
+}
+
 double Search::measured( const Task& task, const Window& window ) const
 {
-	const auto core = [&]( const Placed& placed, bool on_link )
+	const auto core = [&]( const Body& body )
 	{
-		const Pose pose = m_motion.poseOf( { &placed, nullptr, 0, on_link }, window );
+		const Pose pose = body.on_link ? window.links[body.placed->owner] * body.pose : body.pose;
 		lw_transform result;
 		for ( int i = 0; i < 3; ++i )
 		{
@@ -186,89 +228,135 @@ double Search::measured( const Task& task, const Window& window ) const
 		}
 		return result;
 	};
-	const Model& model = m_motion.model();
-	const Placed &a = model.bodies[task.pair.a],
-	             &b = task.pair.object ? model.obstacles[task.pair.b] : model.bodies[task.pair.b];
-	const lw_transform world_from_a = core( a, true ), world_from_b = core( b, !task.pair.object );
-	const lw_shape* other = task.pair.object ? m_obstacles[task.pair.b] : m_bodies[task.pair.b];
+	const Pair& pair = task.pair;
+	const lw_transform world_from_a = core( m_motion.body( pair.a ) ),
+	                   world_from_b = core( pair.object ? m_motion.obstacle( pair.b ) : m_motion.body( pair.b ) );
+	const lw_range range = { task.need + m_motion.rounding(), std::numeric_limits<double>::infinity(), 0.3 };
 	lw_clearance clearance;
-	const lw_status status =
-	    lw_shape_distance( m_bodies[task.pair.a], &world_from_a, other, &world_from_b, nullptr, m_query, &clearance );
-	return status == LW_OK ? clearance.lower : 0;
+	const lw_status status = lw_shape_distance( m_bodies[pair.a], &world_from_a,
+	    pair.object ? m_obstacles[pair.b] : m_bodies[pair.b], &world_from_b, &range, m_query, &clearance );
+	return status == LW_OK && clearance.kind == LW_CLEARANCE_NEAR ? clearance.lower : 0;
 }
 
-/// @param distance of the whole bodies at this window's middle; negative: not measured yet
-void Search::step( const Task& task, Part a, Part b, Window& window, Vec hint, double distance )
+/// Halves the larger part, if that is worth it. @return false: it is not
+bool Search::halvePart(
+    const Task& task, const Side& a, const Side& b, Window& window, const Vec& direction, double distance )
 {
-	const double need = task.need + m_motion.rounding();
-	if ( m_motion.spheres( a, b, task.pair.ancestor, window, need ) > 0 )
+	const bool can_a = a.body->shape->divisible( a.range ),
+	           can_b = !b.body->shape->unbounded() && b.body->shape->divisible( b.range );
+	if ( !can_a && !can_b )
 	{
-		task.out.push_back( static_cast<char>( Word::spheres ) );
-		++m_windows;
-		return;
+		return false;
 	}
-	if ( length( hint ) > 0 && write( task, a, b, window, hint ) )
+	const bool divide_a = can_a && ( !can_b || a.radius >= b.radius );
+	const Side& part = divide_a ? a : b;
+	task.out.push_back( static_cast<char>( divide_a ? Word::halve_a : Word::halve_b ) );
+	for ( const std::size_t range : { part.range + 1, part.body->shape->right( part.range ) } )
 	{
-		return;
+		const Side half = sideOf( task, part, range, window );
+		step( task, divide_a ? half : a, divide_a ? b : half, window, direction, distance );
 	}
-	double apart = 0;
-	Vec direction{ 0, 0, 1 };
-	if ( b.shape->unbounded() )
-	{
-		const Pose pose = m_motion.poseOf( b, window );
-		direction = pose.columns[2];
-		const double height = dot( direction, m_motion.middleOf( a, window ) - pose.shift );
-		direction = ( b.shape->kind == Kind::plane && height < 0 ? 1.0 : -1.0 ) * direction;
-		apart = std::numeric_limits<double>::infinity(); // halving one side gains nothing
-	}
-	else
-	{
-		apart = hullDistance( m_motion, a, b, window, need + m_motion.rounding(), direction );
-	}
-	if ( apart > 0 && write( task, a, b, window, direction ) )
-	{
-		return;
-	}
-	if ( distance < 0 )
-	{
-		distance = measured( task, window );
-		if ( !( distance > need + m_motion.rounding() ) )
-		{
-			throw Failure{ "is not farther apart than required", window.time };
-		}
-	}
-	const bool can_a = a.shape->divisible( a.range ), can_b = !b.shape->unbounded() && b.shape->divisible( b.range );
-	if ( ( can_a || can_b ) && !( apart - task.need > 0.3 * ( distance - task.need ) ) )
-	{
-		const bool divide_a = can_a && ( !can_b || a.shape->ranges[a.range].radius >= b.shape->ranges[b.range].radius );
-		Part& part = divide_a ? a : b;
-		const std::size_t range = part.range;
-		task.out.push_back( static_cast<char>( divide_a ? Word::halve_a : Word::halve_b ) );
-		part.range = range + 1;
-		step( task, a, b, window, direction, distance );
-		part.range = part.shape->right( range );
-		step( task, a, b, window, direction, distance );
-		return;
-	}
-	if ( apart <= 0 )
-	{
-		throw Failure{ "cannot be separated by a plane: a solid mesh around or beside it", window.time };
-	}
+	return true;
+}
+
+void Search::halveTime( const Task& task, const Side& a, const Side& b, Window& window, const Vec& direction )
+{
 	if ( window.depth >= most_halvings )
 	{
 		throw Failure{ "is too near", window.time };
 	}
 	task.out.push_back( static_cast<char>( Word::halve_time ) );
 	m_motion.halve( window );
-	step( task, a, b, *window.first, direction, -1 );
-	step( task, a, b, *window.later, direction, -1 );
+	for ( Window* half : { window.first.get(), window.later.get() } )
+	{
+		step( task, sideOf( task, a, a.range, *half ), b.body->on_link ? sideOf( task, b, b.range, *half ) : b, *half,
+		    direction, -1 );
+	}
 }
 
-void Search::prove( const Model& model, const Pair& pair, Window& window, std::string& out )
+/// @param hint a direction that may separate them; zero: none
+/// @param distance of the whole bodies at this window's middle; negative: not measured yet
+void Search::step( const Task& task, const Side& a, const Side& b, Window& window, Vec hint, double distance )
 {
-	const Placed &a = model.bodies[pair.a], &b = pair.object ? model.obstacles[pair.b] : model.bodies[pair.b];
-	step( { pair, model.min_d + pair.margin, out }, { &a, &model.shapes[a.shape], 0, true },
-	    { &b, &model.shapes[b.shape], 0, !pair.object }, window, { 0, 0, 0 }, -1 );
+	if ( m_motion.spheres( a, b, task.need ) > 0 )
+	{
+		task.out.push_back( static_cast<char>( Word::spheres ) );
+		++spheres;
+		return;
+	}
+	const Shape& other = *b.body->shape;
+	const bool hinted = dot( hint, hint ) > 0;
+	double apart = 0;
+	Vec direction = hint;
+	if ( other.unbounded() )
+	{
+		direction = b.pose.columns[2];
+		const double height = dot( direction, a.middle - b.pose.shift );
+		direction = ( other.kind == Kind::plane && height < 0 ? 1.0 : -1.0 ) * direction;
+		apart = std::numeric_limits<double>::infinity(); // halving one side gains nothing
+		if ( write( task, a, b, direction, false ) )
+		{
+			return;
+		}
+	}
+	else
+	{
+		const double lost = a.rest + b.rest;
+		const bool large = window.depth < few_halvings; // a window; halving it shrinks no tolerances
+		if ( large && lost > length( b.middle - a.middle ) - task.need )
+		{
+			halveTime( task, a, b, window, hint );
+			return;
+		}
+		// Boxes first: they cost little
+		if ( separate( task, a, b, true, hinted, direction, apart ) )
+		{
+			return;
+		}
+		// Is it the motion that is too large? Hulls leave little more room than boxes do
+		const bool gains = apart - task.need > box_share * lost;
+		if ( gains || ( large && lost > hull_share * std::min( a.radius, b.radius ) ) )
+		{
+			halveTime( task, a, b, window, direction );
+			return;
+		}
+		if ( separate( task, a, b, false, hinted || apart > 0, direction, apart ) )
+		{
+			return;
+		}
+	}
+	if ( distance < 0 )
+	{
+		distance = measured( task, window );
+		if ( !( distance > task.need ) )
+		{
+			throw Failure{ "is not farther apart than required", window.time };
+		}
+	}
+	if ( !( apart - task.need > 0.3 * ( distance - task.need ) ) && halvePart( task, a, b, window, direction, distance ) )
+	{
+		return;
+	}
+	if ( apart <= 0 )
+	{
+		throw Failure{ "cannot be separated by a plane: a solid mesh around or beside it", window.time };
+	}
+	halveTime( task, a, b, window, direction );
+}
+
+void Search::prove( const Pair& pair, double min_d, Window& window, std::string& out )
+{
+	const Task task = { pair, min_d + pair.margin + m_motion.rounding(), out };
+	const auto moving = [&]( std::uint32_t body )
+	{ return m_motion.side( m_motion.body( body ), 0, pair.ancestor, pair.late, window ); };
+	if ( pair.object && !pair.late )
+	{
+		step( task, m_motion.whole( pair.a, window ), m_motion.whole( pair.b ), window, { 0, 0, 0 }, -1 );
+	}
+	else
+	{
+		step( task, moving( pair.a ), pair.object ? m_motion.whole( pair.b ) : moving( pair.b ), window, { 0, 0, 0 }, -1 );
+	}
 }
 
 } // namespace leeway::certify

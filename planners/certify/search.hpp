@@ -38,20 +38,23 @@ public:
 	{
 	}
 	/// Appends the proof of a pair over a whole piece, beginning at `window`. @throws Failure
-	void prove( const Model& model, const Pair& pair, Window& window, std::string& out );
-	/// Tests that were written.
-	std::size_t windows() const { return m_windows; }
+	void prove( const Pair& pair, double min_d, Window& window, std::string& out );
+	/// Tests that were written, by spheres and by directions.
+	std::size_t spheres = 0, directions = 0;
 
 private:
 	struct Task;
-	void step( const Task& task, Part a, Part b, Window& window, Vec hint, double distance );
-	bool write( const Task& task, const Part& a, const Part& b, const Window& window, const Vec& direction );
+	void step( const Task& task, const Side& a, const Side& b, Window& window, Vec hint, double distance );
+	void halveTime( const Task& task, const Side& a, const Side& b, Window& window, const Vec& direction );
+	bool halvePart( const Task& task, const Side& a, const Side& b, Window& window, const Vec& direction, double distance );
+	bool write( const Task& task, const Side& a, const Side& b, const Vec& direction, bool boxes );
+	bool separate( const Task& task, const Side& a, const Side& b, bool boxes, bool hinted, Vec& direction, double& apart );
 	double measured( const Task& task, const Window& window ) const;
+	Side sideOf( const Task& task, const Side& old, std::size_t range, const Window& window ) const;
 
 	const Motion& m_motion;
 	lw_query* m_query;
 	std::vector<const lw_shape*> m_bodies, m_obstacles;
-	std::size_t m_windows = 0;
 };
 
 } // namespace leeway::certify

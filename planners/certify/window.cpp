@@ -54,9 +54,30 @@ void halveCurve( const std::vector<double>& points, unsigned degree, std::size_t
 
 } // namespace
 
-Motion::Motion( const Model& model, const std::vector<Piece>& pieces )
-    : m_model( model ), m_rounding( 1e-10 * sizeOf( pieces ) )
+Motion::Motion( const Model& model ) : m_model( model )
 {
+	for ( const Placed& placed : model.bodies )
+	{
+		m_bodies.push_back( { &placed, &model.shapes[placed.shape], true, certify::poseOf( placed.pose ) } );
+	}
+	for ( const Placed& placed : model.obstacles )
+	{
+		m_obstacles.push_back( { &placed, &model.shapes[placed.shape], false, certify::poseOf( placed.pose ) } );
+	}
+	for ( const Body& obstacle : m_obstacles )
+	{
+		m_resting.push_back( side( obstacle, 0, 0, false, {} ) );
+	}
+	for ( std::uint32_t i = 0; i < model.links.size(); ++i )
+	{
+		m_origins.push_back( certify::poseOf( model.links[i].origin ) );
+		m_moved.push_back( model.links[i].variable != nothing ? i : i > 0 ? m_moved[model.links[i].parent] : nothing );
+	}
+}
+
+void Motion::begin( const std::vector<Piece>& pieces )
+{
+	m_rounding = 1e-10 * sizeOf( pieces );
 }
 
 double Motion::sizeOf( const std::vector<Piece>& pieces ) const
@@ -102,7 +123,7 @@ void Motion::finish( Window& window ) const
 	const std::size_t variables = m_model.variables.size();
 	std::vector<double> first, later;
 	halveCurve( window.points, window.degree, variables, first, later );
-	const std::vector<double> middle( later.begin(), later.begin() + std::ptrdiff_t( variables ) );
+	const double* middle = later.data();
 	window.speed.resize( variables );
 	window.rest.resize( variables );
 	for ( std::size_t j = 0; j < variables; ++j )
@@ -116,7 +137,7 @@ void Motion::finish( Window& window ) const
 			rest = std::max( rest, std::fabs( window.points[i * variables + j] - line ) );
 		}
 		window.speed[j] = speed;
-		window.rest[j] = rest + m_model.variables[j].tolerance;
+		window.rest[j] = rest + window.tubes->timely[j];
 	}
 	const std::size_t links = m_model.links.size();
 	window.links.resize( links );
@@ -124,18 +145,23 @@ void Motion::finish( Window& window ) const
 	for ( std::size_t i = 0; i < links; ++i )
 	{
 		const Link& link = m_model.links[i];
-		const double value = link.offset + ( link.variable != nothing ? link.multiplier * middle[link.variable] : 0 );
-		const Pose local = certify::poseOf( link.origin ) * moved( link, value );
+		Pose local = m_origins[i];
+		if ( link.type != Link::fixed )
+		{
+			local = local *
+			        moved( link, link.offset + ( link.variable != nothing ? link.multiplier * middle[link.variable] : 0 ) );
+		}
 		window.links[i] = i == 0 ? local : window.links[link.parent] * local;
 		window.axes[i] = window.links[i].turned( link.axis );
 	}
 }
 
-std::unique_ptr<Window> Motion::whole( const Piece& piece ) const
+std::unique_ptr<Window> Motion::whole( const Piece& piece, const Tubes& tubes ) const
 {
 	auto window = std::make_unique<Window>();
 	window->degree = piece.degree;
 	window->points = piece.points;
+	window->tubes = &tubes;
 	finish( *window );
 	return window;
 }
@@ -155,104 +181,124 @@ void Motion::halve( Window& window ) const
 		half->degree = window.degree;
 		half->depth = window.depth + 1;
 		half->time = window.time + ( half == window.first.get() ? -quarter : quarter );
+		half->tubes = window.tubes;
 		finish( *half );
 	}
 }
 
-Pose Motion::poseOf( const Part& part, const Window& window ) const
+Side Motion::side( const Body& body, std::size_t range, std::uint32_t ancestor, bool late, const Window& window ) const
 {
-	const Pose pose = certify::poseOf( part.placed->pose );
-	return part.on_link ? window.links[part.placed->owner] * pose : pose;
-}
-
-Vec Motion::middleOf( const Part& part, const Window& window ) const
-{
-	return poseOf( part, window ).placed( part.shape->ranges[part.range].middle );
-}
-
-Motion::Bounds Motion::boundsOf( const Part& part, std::uint32_t ancestor, const Window& window ) const
-{
-	Bounds bounds;
-	if ( !part.on_link )
+	Side side;
+	side.body = &body;
+	side.range = range;
+	side.pose = body.on_link ? window.links[body.placed->owner] * body.pose : body.pose;
+	if ( body.shape->unbounded() )
 	{
-		return bounds;
+		return side;
 	}
-	const Vec middle = middleOf( part, window );
-	const double radius = part.shape->ranges[part.range].radius;
+	side.middle = side.pose.placed( body.shape->ranges[range].middle );
+	side.radius = body.shape->ranges[range].radius;
 	double below = 0, turns = 0; // sum of rho e of the joints so far, from the body upwards
-	for ( std::uint32_t at = part.placed->owner; at != ancestor; at = m_model.links[at].parent )
+	std::uint32_t at = body.on_link ? m_moved[body.placed->owner] : nothing;
+	for ( ; at != nothing && at > ancestor; at = m_moved[m_model.links[at].parent] )
 	{
 		const Link& link = m_model.links[at];
-		if ( link.variable == nothing )
-		{
-			continue;
-		}
 		const double speed = link.multiplier * window.speed[link.variable];
-		const double rest = std::fabs( link.multiplier ) * window.rest[link.variable];
-		const double most = std::fabs( speed ) + rest;
+		const double tube = window.rest[link.variable] + ( late ? window.tubes->late[link.variable] : 0 );
+		const double rest = std::fabs( link.multiplier ) * tube, most = std::fabs( speed ) + rest;
 		const Vec& axis = window.axes[at];
 		if ( link.type == Link::shift )
 		{
-			bounds.shift = bounds.shift + speed * axis;
-			bounds.rest += rest;
-			bounds.path += most;
+			side.shift = side.shift + speed * axis;
+			side.rest += rest;
+			side.path += most;
 			below += most;
 			continue;
 		}
 		const Vec& origin = window.links[at].shift;
-		const double centre = length( cross( axis, middle - origin ) ), rho = centre + radius;
-		bounds.turn = bounds.turn + speed * axis;
-		bounds.shift = bounds.shift + speed * cross( origin, axis );
-		bounds.rest += rho * ( rest + 0.5 * most * most ) + most * below;
-		bounds.path += most * centre;
+		const double centre = length( cross( axis, side.middle - origin ) ), rho = centre + side.radius;
+		side.turn = side.turn + speed * axis;
+		side.shift = side.shift + speed * cross( origin, axis );
+		side.rest += rho * ( rest + 0.5 * most * most ) + most * below;
+		side.path += most * centre;
 		below += most * rho;
 		turns += most;
 	}
+	side.turns = dot( side.turn, side.turn ) > 0;
 	if ( turns > 50 ) // FORMAT.md, rounding
 	{
-		bounds.rest = bounds.path = infinite;
+		side.rest = side.path = infinite;
 	}
-	return bounds;
+	return side;
 }
 
-double Motion::spheres( const Part& a, const Part& b, std::uint32_t ancestor, const Window& window, double need ) const
+const Side& Motion::whole( std::uint32_t body, Window& window ) const
 {
-	const Vec middle = middleOf( a, window );
-	const Bounds of_a = boundsOf( a, ancestor, window );
-	const double radius = a.shape->ranges[a.range].radius;
-	if ( b.shape->unbounded() )
+	if ( window.whole.empty() )
 	{
-		const Pose pose = poseOf( b, window );
-		const double height = dot( pose.columns[2], middle - pose.shift );
-		return ( b.shape->kind == Kind::plane ? std::fabs( height ) : height ) - radius - of_a.path - need - m_rounding;
+		window.whole.resize( m_bodies.size() );
 	}
-	const Bounds of_b = boundsOf( b, ancestor, window );
-	return length( middleOf( b, window ) - middle ) - radius - b.shape->ranges[b.range].radius - of_a.path - of_b.path -
-	       need - m_rounding;
+	if ( window.whole[body].body == nullptr )
+	{
+		window.whole[body] = side( m_bodies[body], 0, 0, false, window );
+	}
+	return window.whole[body];
 }
 
-double Motion::plane(
-    const Part& a, const Part& b, std::uint32_t ancestor, const Window& window, const Vec& direction, double need ) const
+double Motion::spheres( const Side& a, const Side& b, double need ) const
 {
-	const Pose pose_a = poseOf( a, window ), pose_b = poseOf( b, window );
+	const Kind kind = b.body->shape->kind;
+	double gap;
+	if ( b.body->shape->unbounded() )
+	{
+		gap = dot( b.pose.columns[2], a.middle - b.pose.shift );
+		gap = kind == Kind::plane ? std::fabs( gap ) : gap;
+	}
+	else
+	{
+		gap = length( b.middle - a.middle );
+	}
+	return gap - a.radius - b.radius - a.path - b.path - need - m_rounding;
+}
+
+double Motion::plane( const Side& a, const Side& b, const Vec& direction, double need, bool boxes ) const
+{
+	const Shape &shape_a = *a.body->shape, &shape_b = *b.body->shape;
 	Vec n = ( 1 / length( direction ) ) * direction;
-	if ( b.shape->unbounded() )
+	if ( shape_b.unbounded() )
 	{
-		n = b.shape->kind == Kind::plane && dot( n, pose_b.columns[2] ) > 0 ? pose_b.columns[2] : -1.0 * pose_b.columns[2];
+		n = shape_b.kind == Kind::plane && dot( n, b.pose.columns[2] ) > 0 ? b.pose.columns[2] : -1.0 * b.pose.columns[2];
 	}
-	const Bounds of_a = boundsOf( a, ancestor, window ), of_b = boundsOf( b, ancestor, window );
-	double room = infinite;
+	/// Height of a side's farthest point along n at s, seen in direction sign * n
+	const auto height = [&]( const Side& side, const Shape& shape, double sign, double s )
+	{
+		const Vec to = sign * ( n + s * cross( n, side.turn ) );
+		const Vec local = side.pose.turnedBack( to );
+		return ( boxes ? shape.boxSupport( side.range, local ) : shape.support( side.range, local ) ) +
+		       dot( to, side.pose.shift ) + sign * s * dot( n, side.shift );
+	};
+	double room = infinite, top = 0, bottom = shape_b.unbounded() ? dot( n, b.pose.shift ) : 0;
 	for ( const double s : { -1.0, 1.0 } )
 	{
-		const Vec n_a = n + s * cross( n, of_a.turn ), n_b = -1.0 * ( n + s * cross( n, of_b.turn ) );
-		const double top =
-		    a.shape->support( a.range, pose_a.turnedBack( n_a ) ) + dot( n_a, pose_a.shift ) + s * dot( n, of_a.shift );
-		const double bottom = b.shape->unbounded() ? dot( n, pose_b.shift )
-		                                           : -b.shape->support( b.range, pose_b.turnedBack( n_b ) ) -
-		                                                 dot( n_b, pose_b.shift ) + s * dot( n, of_b.shift );
+		if ( s < 0 || a.turns )
+		{
+			top = height( a, shape_a, 1, s );
+		}
+		else
+		{
+			top += 2 * dot( n, a.shift );
+		}
+		if ( !shape_b.unbounded() && ( s < 0 || b.turns ) )
+		{
+			bottom = -height( b, shape_b, -1, s );
+		}
+		else if ( !shape_b.unbounded() )
+		{
+			bottom += 2 * dot( n, b.shift );
+		}
 		room = std::min( room, bottom - top );
 	}
-	return room - of_a.rest - of_b.rest - need - m_rounding;
+	return room - a.rest - b.rest - need - m_rounding;
 }
 
 } // namespace leeway::certify

@@ -29,6 +29,15 @@ std::vector<std::string> filesOf( const CommonOptions& options, const std::strin
 	return files;
 }
 
+certify::Settings claimOf( double min_d, lw_check_flags flags, std::vector<std::string> files )
+{
+	certify::Settings settings;
+	settings.min_d = min_d;
+	settings.flags = flags;
+	settings.sources = std::move( files );
+	return settings;
+}
+
 CertificateFile::CertificateFile( const std::string& path )
 {
 	if ( !path.empty() )
@@ -48,7 +57,7 @@ bool CertificateFile::write( const io::Problem& problem, const Input& input, con
 	{
 		certify::Certificate certificate = certify::certify( problem, input.robot, pieces, settings, name );
 		m_told = fmt::format(
-		    "{}, made in {:.0f} ms\n", certify::describe( certificate, m_file->path() ), 1e3 * certificate.seconds );
+		    "{}, made in {:.2f} ms\n", certify::describe( certificate, m_file->path() ), 1e3 * certificate.seconds );
 		m_file->text = std::move( certificate.bytes );
 	}
 	catch ( const io::Error& error )
@@ -82,10 +91,10 @@ bool writeCertificate( const AuditOptions& options, const Input& input, const io
     const std::vector<std::vector<double>>& points, const AuditSettings& settings, CertificateFile& certificate,
     std::vector<OutputFile*>& files )
 {
-	const std::vector<double> tolerance = tolerances( problem, "command line", {}, givenTolerances( options.tolerance ) );
-	return certificate.write( problem, input, certify::piecesOf( problem, points ),
-	    { settings.min_d, tolerance, filesOf( options.common, options.path ), settings.flags, settings.time }, options.path,
-	    files );
+	certify::Settings claim = claimOf( settings.min_d, settings.flags, filesOf( options.common, options.path ) );
+	claim.tolerance = tolerances( problem, "command line", {}, givenTolerances( options.tolerance ) );
+	claim.seconds = settings.time;
+	return certificate.write( problem, input, certify::piecesOf( problem, points ), claim, options.path, files );
 }
 
 } // namespace

@@ -13,6 +13,9 @@ namespace leeway::cli
 /// Files whose digests a certificate keeps: robot, SRDF, scene and the motion, those that were given.
 std::vector<std::string> filesOf( const CommonOptions& options, const std::string& motion );
 
+/// The claim of a certificate.
+certify::Settings claimOf( double min_d, lw_check_flags flags, std::vector<std::string> files );
+
 class CertificateFile
 {
 public:

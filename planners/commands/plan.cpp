@@ -764,7 +764,7 @@ int runPlan( const PlanOptions& options )
 	}
 	const bool is_certified =
 	    !good || certificate.write( bench.problem(), input, certify::piecesOf( bench.problem(), solution.points ),
-	                 { options.common.min_d, {}, filesOf( options.common, "" ), settings.flags }, "the path", files );
+	                 claimOf( options.common.min_d, settings.flags, filesOf( options.common, "" ) ), "the path", files );
 	if ( view.isWanted() )
 	{
 		view.write( planPage( options, input, bench, solution, audit ), files );

@@ -235,10 +235,12 @@ bool writeCertificate( const AuditOptions& options, const Input& input, const Dr
 	std::vector<certify::Piece> pieces;
 	for ( const Segment& segment : chapter.segments )
 	{
-		pieces.push_back( { segment.degree, segment.points } );
+		pieces.push_back( { segment.degree, segment.points, segment.seconds } );
 	}
-	return certificate.write( *chapter.problem, input, pieces,
-	    { edge.min_d, chapter.tolerance, filesOf( options.common, file ), edge.flags, options.time }, file, files );
+	certify::Settings claim = claimOf( edge.min_d, edge.flags, filesOf( options.common, file ) );
+	claim.tolerance = chapter.tolerance;
+	claim.seconds = options.time;
+	return certificate.write( *chapter.problem, input, pieces, claim, file, files );
 }
 
 /// Finds and writes the corridor. @return a line for people

@@ -4,6 +4,7 @@
 #include "motions/csv.hpp"
 #include "motions/names.hpp"
 #include "motions/report.hpp"
+#include "commands/certificate_file.hpp"
 #include "commands/page_file.hpp"
 #include "commands/world_cell.hpp"
 
@@ -202,10 +203,39 @@ ScheduleSettings settingsOf( const WorldOptions& options )
 	return settings;
 }
 
+/// @return false: a certificate is wanted, and there is none
+bool writeCertificate( const WorldOptions& options, Cell& cell, const ScheduleSettings& settings,
+    CertificateFile& certificate, std::vector<OutputFile*>& files )
+{
+	if ( options.certificate.empty() )
+	{
+		return true;
+	}
+	double lag = 0;
+	std::vector<std::string> sources{ options.common.cell };
+	for ( const io::WorldPart& part : cell.world().parts )
+	{
+		lag = std::max( lag, part.lag );
+		if ( !part.motion_file.empty() )
+		{
+			sources.push_back( part.motion_file );
+		}
+	}
+	const io::Problem& problem = cell.bench().problem();
+	const certify::Schedule schedule =
+	    certify::scheduleOf( problem, cell.schedule().clock( settings.to + lag ), settings.from, settings.to );
+	certify::Settings claim = claimOf( settings.edge.min_d, settings.edge.flags, sources );
+	claim.tolerance = schedule.tolerance;
+	claim.tracks = schedule.tracks;
+	claim.begin = schedule.begin;
+	return certificate.write( problem, cell.input(), schedule.pieces, claim, options.common.cell, files );
+}
+
 int runWorldAudit( const WorldOptions& options )
 {
 	Notices notices( options.common.verbose );
 	OutputFile json_file( "--json", options.json );
+	CertificateFile certificate( options.certificate );
 	Cell cell( options, notices );
 	Schedule& schedule = cell.schedule();
 	ScheduleSettings settings = settingsOf( options );
@@ -218,6 +248,7 @@ int runWorldAudit( const WorldOptions& options )
 		    "give a later time, or --from" );
 	}
 	const ScheduleAudit audit = auditSchedule( schedule, settings );
+	std::vector<OutputFile*> files;
 	if ( !options.json.empty() )
 	{
 		Json json;
@@ -225,10 +256,12 @@ int runWorldAudit( const WorldOptions& options )
 		json["audit"] = toJson( audit );
 		json["notices"] = notices.all();
 		json_file.text = jsonText( json );
-		json_file.commit();
+		files.push_back( &json_file );
 	}
-	printOut( describe( audit ) );
-	return audit.valid() ? exit_yes : exit_no;
+	const bool is_certified = !audit.valid() || writeCertificate( options, cell, settings, certificate, files );
+	commitTogether( files );
+	printOut( describe( audit ) + certificate.told() );
+	return audit.valid() && is_certified ? exit_yes : exit_no;
 }
 
 // ---- edge ------------------------------------------------------------------------------------------------------------

@@ -351,6 +351,7 @@ CLI::App* addWorld( CLI::App& app, WorldOptions& options )
 	              "metres, edge and audit: clearances above --min-d by less than this may be UNDECIDED (default 0.001)" )
 	          ->type_name( "M" ) );
 	command->add_option( "--json", options.json, "check and audit: the answer as JSON" )->type_name( "FILE" );
+	addCertificateOption( *command, options.certificate );
 	return command;
 }
 

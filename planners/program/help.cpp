@@ -291,7 +291,8 @@ Exit status 0: free; 1: not free; 2: error.)",
     R"(check: the clearances at one time: the nearest pair of each two robots, of each robot and itself, each moving object, and the scene.
 
 audit: every clearance is proved to stay above --min-d at all times from --from to --to, for all motions that lags, tolerances and unknown
-motions of the file allow. Otherwise the answer names a time, a pair and the state. Loops of objects go on until --to.
+motions of the file allow. Otherwise the answer names a time, a pair and the state. Loops of objects go on until --to. --certificate holds the
+proof for others to check (audit only), from the largest lag before --from to as long after --to.
 
 edge: edges.csv has the columns start, end (seconds), from:JOINT and to:JOINT, then one motion per line. The robots whose joints are named drive
 straight from number to number in place of their own motions, and all else moves as the file says; their joints without columns stay

@@ -433,7 +433,7 @@ void validate( const CLI::App& app, WorldOptions& options )
 {
 	const std::map<std::string, std::vector<std::string>> own = { { "check", { "--time", "--json" } },
 	    { "edge", { "--edges", "--out", "--slack" } },
-	    { "audit", { "--from", "--to", "--first-contact", "--slack", "--json" } },
+	    { "audit", { "--from", "--to", "--first-contact", "--slack", "--json", "--certificate" } },
 	    { "plan", { "--goal", "--from", "--deadline", "--together", "--seconds", "--seed", "--joint-limits", "--out",
 	                  "--slack", "--json" } },
 	    { "view", { "--from", "--to", "--out", "--slack" } } };

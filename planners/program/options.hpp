@@ -183,7 +183,7 @@ struct WorldOptions
 	bool time_given = false, from_given = false, to_given = false;
 	double slack = 0.001;
 	bool first_contact = false;
-	std::string edges, out, json, joint_limits;
+	std::string edges, out, json, joint_limits, certificate;
 	std::vector<std::string> motions; ///< ROBOT=FILE
 	std::vector<std::string> goals;   ///< ROBOT=STATE or ROBOT=JOINT=VALUE,...
 	double deadline = 0, search_seconds = 10;

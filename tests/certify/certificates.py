@@ -78,7 +78,8 @@ class Checkers:
 # ---- honest certificates
 
 def honest(given, folder, rng):
-    """Two certificates of one random world: of a path, and of a timed trajectory with a tolerance; fewer if no motion is found."""
+    """Three certificates of one random world: of a path, of a timed trajectory with a tolerance, and of a schedule of two robots that drive it; fewer if
+    no motion is found."""
     worlds.write_robot(folder, rng)
     worlds.write_scene(folder, rng)
     model = ["--robot", "robot.urdf", "--scene", "scene.yaml", "--no-cache", "--joint-limits", "limits.yaml"]
@@ -86,7 +87,12 @@ def honest(given, folder, rng):
         str(rng.choice([0, 0.001, 0.005])), "--out", "path.yaml", "--trajectory", "trajectory.yaml", "--certificate", "path.lwc"]
     audit = [given.leeway, "audit", *model, "--trajectory", "trajectory.yaml", "--tolerance", "0.001", "--certificate", "trajectory.lwc"]
     made = []
-    for command, name in ((plan, "path.lwc"), (audit, "trajectory.lwc")):
+    schedule = [given.leeway, "world", "audit", "--world", "cell.yaml", "--no-cache", "--certificate", "schedule.lwc"]
+    for command, name in ((plan, "path.lwc"), (audit, "trajectory.lwc"), (schedule, "schedule.lwc")):
+        if name == "schedule.lwc" and not (folder / "trajectory.yaml").exists():
+            break
+        if name == "schedule.lwc":
+            worlds.write_cell(folder, rng)
         run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         if (folder / name).exists():
             made.append((folder / name).read_bytes())

@@ -77,6 +77,14 @@ def curves(rng, variables, count, degree):
     return start, pieces
 
 
+def clock(rng, timed):
+    """Track, lag and spread of a variable."""
+    if not timed:
+        return {"track": 0, "lag": 0.0, "spread": 0.0, "since": 0.0}
+    return {"track": rng.randrange(3), "lag": rng.choice([0.0, 10 ** rng.uniform(-2.5, 0)]), "spread": rng.choice([0.0, 0.0, 10 ** rng.uniform(-2, -0.5)]),
+        "since": rng.uniform(-1, 1)}
+
+
 class Words:
     """A random proof of one pair."""
 
@@ -126,14 +134,15 @@ def forged(rng, accepts, steps=18):
     if with_object and shapes[1]["kind"] == judge.BOXES and rng.random() < 0.8:  # a wall
         shapes[1]["numbers"] = [-2, -2, -0.01, 2, 2, 0]
     start, pieces = curves(rng, variables, rng.choice([1, 1, 1, 2]), rng.choice([1, 1, 1, 1, 2, 3, 5, 7]))
-    tolerated = rng.random() < 0.25
+    tolerated, timed = rng.random() < 0.25, rng.random() < 0.4
     body = {"owner": ends[0], "shape": 0, "pose": [rng.uniform(-0.4, 0.4) for _ in range(3)] + spin(rng)}
     turn = spin(rng) if rng.random() < 0.2 else facing(-toward if rng.random() < 0.9 else toward)
     other = {"owner": 0 if with_object else ends[-1], "shape": 1, "pose": [0.0 if with_object else rng.uniform(-0.4, 0.4) for _ in range(3)] + turn}
-    content = {"version": 1, "min_d": 0.0, "claims": 3, "sources": [], "variables": [{"name": f"v{i}", "lower": -100.0, "upper": 100.0,
-        "tolerance": 10 ** rng.uniform(-3, -0.5) if tolerated else 0.0} for i in range(variables)], "links": links, "shapes": shapes,
+    content = {"version": 2, "min_d": 0.0, "claims": 3, "sources": [], "variables": [{"name": f"v{i}", "lower": -100.0, "upper": 100.0,
+        "tolerance": 10 ** rng.uniform(-3, -0.5) if tolerated else 0.0, **clock(rng, timed)} for i in range(variables)], "links": links, "shapes": shapes,
         "bodies": [body] if with_object else [body, other], "objects": ["o"] if with_object else [], "obstacles": [other] if with_object else [],
-        "allowed": [], "margins": [], "start": start, "pieces": pieces}
+        "allowed": [], "margins": [], "start": start, "pieces": pieces, "begin": rng.choice([0.0, rng.uniform(-1, 1)]),
+        "seconds": [rng.choice([0.0, 1.0, 10 ** rng.uniform(-1, 1)]) if timed else 0.0 for _ in pieces]}
     words = Words(content, rng, body, other, toward, by_spheres)
     content["proof"] = b"".join(b"\0" + words.tree([words.elements(0), words.elements(1)], 2) + b"\0" for _ in pieces).hex()
     middle = numpy.array([judge.bezier([start, *pieces[0]], numpy.array([[0.5]]))[0]])

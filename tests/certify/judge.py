@@ -98,18 +98,63 @@ def bezier(points, t):
     return points[0]
 
 
+def spread_of(content, times):
+    """[times][variables]: how far an unknown motion may have gone."""
+    speed, since = (numpy.array([v[name] for v in content["variables"]]) for name in ("spread", "since"))
+    return speed * numpy.maximum(0, times[:, None] - since)
+
+
+def places(content, times, rng):
+    """Piece and place on it at each time. Of pieces without duration any place is taken."""
+    ends = content["begin"] + numpy.concatenate([[0], numpy.cumsum(content["seconds"])])
+    piece, s = numpy.zeros(len(times), int), numpy.zeros(len(times))
+    for k, seconds in enumerate(content["seconds"]):
+        here = (times > ends[k]) | ((times == ends[k]) & (rng.random(len(times)) < 0.5)) | (k == 0)
+        place = numpy.clip((times - ends[k]) / seconds, 0, 1) if seconds > 0 else numpy.where(times > ends[k + 1], 1, rng.random(len(times)))
+        piece, s = numpy.where(here, k, piece), numpy.where(here, place, s)
+    return piece, s
+
+
+def late_states(content, random):
+    """[states][variables] and their times: each track early or late by itself, those without a lag at one time."""
+    whole = sum(content["seconds"])
+    times = content["begin"] + whole * random.random(TIMES * len(content["pieces"]) * DEVIATIONS)
+    lags, q = {}, numpy.empty((len(times), len(content["variables"])))
+    for v in content["variables"]:
+        lags[v["track"]] = min(lags.get(v["track"], numpy.inf), v["lag"])
+    punctual = places(content, times, random)
+    starts = [content["start"], *(p[-1] for p in content["pieces"])]
+    for track, lag in lags.items():
+        off = lag * numpy.where(random.random(len(times)) < 0.7, random.choice([-1, 1], len(times)), random.uniform(-1, 1, len(times)))
+        piece, s = places(content, times + off, random) if lag > 0 else punctual
+        columns = [j for j, v in enumerate(content["variables"]) if v["track"] == track]
+        for k in numpy.unique(piece):
+            rows = numpy.flatnonzero(piece == k)
+            q[numpy.ix_(rows, columns)] = bezier([[p[j] for j in columns] for p in (starts[k], *content["pieces"][k])], s[rows][:, None])
+    return q, times
+
+
 def states_of(content, rng):
     """[states][variables]: times of all pieces, and at each some deviations, most of them at a corner of the tolerances."""
     last, found = content["start"], []
-    tolerance = numpy.array([v["tolerance"] for v in content["variables"]])
     random = numpy.random.default_rng(rng.randrange(1 << 30))
-    for piece in content["pieces"]:
-        q = bezier([last, *piece], numpy.linspace(0, 1, TIMES)[:, None])
+    tolerance = numpy.array([v["tolerance"] for v in content["variables"]])
+    deviates = tolerance.any() or any(v["spread"] for v in content["variables"])
+
+    def deviated(q, times):
+        off = random.uniform(-1, 1, q.shape)
+        return q + (tolerance + spread_of(content, times)) * numpy.where(random.random(q.shape) < 0.7, numpy.sign(off), off)
+
+    begin = content["begin"]
+    for seconds, piece in zip(content["seconds"], content["pieces"]):
+        s = numpy.linspace(0, 1, TIMES)
+        q = bezier([last, *piece], s[:, None])
         last = piece[-1]
-        found.append(q)
-        for _ in range(DEVIATIONS if tolerance.any() else 0):
-            off = random.uniform(-1, 1, q.shape)
-            found.append(q + tolerance * numpy.where(random.random(q.shape) < 0.7, numpy.sign(off), off))
+        found += [q] + [deviated(q, begin + s * seconds) for _ in range(DEVIATIONS if deviates else 0)]
+        begin += seconds
+    if any(v["lag"] for v in content["variables"]):
+        q, times = late_states(content, random)
+        found += [q, deviated(q, times)]
     return numpy.concatenate(found)
 
 

@@ -46,15 +46,17 @@ def placed_bytes(placed):
 
 
 def binary(c):
-    out = b"LWCERT1\n" + reals([c["min_d"]]) + bytes([c["claims"]])
-    out += listed(c["sources"], lambda s: words(s["name"]) + bytes.fromhex(s["sha256"]))
-    out += listed(c["variables"], lambda v: words(v["name"]) + reals([v["lower"], v["upper"], v["tolerance"]]))
+    out = b"LWCERT2\n" + bytes([c["claims"]])
+    out += listed(c["variables"], lambda v: words(v["name"]) + reals([v["lower"], v["upper"]]))
     out += listed(c["links"], link_bytes) + listed(c["shapes"], shape_bytes) + listed(c["bodies"], placed_bytes)
     out += listed(c["objects"], words) + listed(c["obstacles"], placed_bytes)
     out += listed(c["allowed"], lambda r: bytes([r["object"]]) + count(r["a"]) + count(r["b"]) + words(r["reason"]))
     out += listed(c["margins"], lambda r: bytes([r["object"]]) + count(r["a"]) + count(r["b"]) + reals([r["margin"]]))
     out += hashlib.sha256(out).digest()
-    out += count(len(c["pieces"])) + reals(c["start"]) + b"".join(bytes([len(p)]) + b"".join(map(reals, p)) for p in c["pieces"])
+    out += reals([c["min_d"]]) + listed(c["sources"], lambda s: words(s["name"]) + bytes.fromhex(s["sha256"]))
+    out += b"".join(count(v["track"]) + reals(v[name] for name in ("tolerance", "lag", "spread", "since")) for v in c["variables"])
+    out += reals([c["begin"]]) + count(len(c["pieces"])) + reals(c["start"])
+    out += b"".join(bytes([len(p)]) + reals([s]) + b"".join(map(reals, p)) for s, p in zip(c["seconds"], c["pieces"]))
     out += bytes.fromhex(c["proof"])
     return out + hashlib.sha256(out).digest()
 
@@ -66,7 +68,7 @@ def change(x, rng):
 
 
 def mutate_model(c, rng):
-    kind = rng.randrange(12)
+    kind = rng.randrange(14)
     some = lambda items: items[rng.randrange(len(items))] if items else None  # noqa: E731
     if kind == 0:
         c["min_d"] = abs(change(c["min_d"], rng))
@@ -100,6 +102,13 @@ def mutate_model(c, rng):
         row = rng.choice(rng.choice(c["pieces"]))
         i = rng.randrange(len(row))
         row[i] = change(row[i], rng)
+    elif kind == 11:
+        k = rng.randrange(len(c["seconds"]))
+        c["seconds"][k] = rng.choice([0, c["seconds"][k] * rng.uniform(0.1, 3), rng.uniform(0, 2)])
+    elif kind == 12:
+        variable = some(c["variables"])
+        variable[rng.choice(["lag", "spread"])] = rng.choice([0, abs(rng.gauss(0, 10 ** rng.uniform(-3, 0)))])
+        variable["track"] = rng.randrange(3)
     else:
         c[rng.choice(["bodies", "obstacles"])].reverse()
 
@@ -139,6 +148,8 @@ def stretched(c, rng, accepts, steps=12):
     """The boldest claim that is accepted along one direction: a distance, margin, tolerance, place of a body or obstacle is moved, or the motion made
     longer, as far as that holds. Windows are larger than the writer would make them then."""
     kind, sign = rng.randrange(7), rng.choice([-1, 1])
+    if any(v["lag"] for v in c["variables"]) and rng.random() < 0.4:
+        kind = rng.choice([7, 8])
     variable, axis = rng.randrange(len(c["variables"])), rng.randrange(3)
     body, obstacle = rng.randrange(len(c["bodies"])), rng.randrange(max(1, len(c["obstacles"])))
     if kind in (3, 6) and not c["obstacles"]:
@@ -153,6 +164,11 @@ def stretched(c, rng, accepts, steps=12):
         elif kind == 4:
             for one in m["variables"]:
                 one["tolerance"] += by
+        elif kind == 7:
+            for one in m["variables"]:
+                one["lag"] *= 1 + 30 * by
+        elif kind == 8:
+            m["variables"][variable]["spread"] += by
         elif kind == 5:
             m["pieces"] = [[[s + (1 + 4 * by) * (x - s) for x, s in zip(p, c["start"])] for p in piece] for piece in c["pieces"]]
         elif kind == 6:

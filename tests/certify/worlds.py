@@ -86,3 +86,15 @@ def write_scene(folder, rng):
             text = f"primitives: [{{type: {kind}, dimensions: {dimensions}}}], primitive_poses: [{pose}]"
         objects.append(f"    - {{id: o{i}, {text}}}\n")
     (folder / "scene.yaml").write_text(f"name: random\nworld:\n  collision_objects:\n{''.join(objects)}")
+
+
+def write_cell(folder, rng):
+    """Two robots side by side that drive one trajectory, early or late, a box that passes, and someone of whom only a speed is known."""
+    def robot(name, x, seconds):
+        return f"  - {{name: {name}, robot: robot.urdf, base: {{position: [{x}, 0, 0]}}, motion: trajectory.yaml, motion_start: {seconds:.3f}, lag: {rng.choice([0, rng.uniform(0, 0.1)]):.4f}}}\n"
+    there = [rng.uniform(-1, 1), rng.uniform(0.6, 1.2), 0]
+    here = [rng.uniform(-1, 1), -there[1], 0] if rng.random() < 0.3 else [-there[0], there[1], 0]
+    box = f"  - {{name: box, shapes: [{{type: box, dimensions: [0.1, 0.1, 0.1]}}], pose: {{position: {there}}}, motion: [{{start: 0, end: {rng.uniform(1, 5):.3f}, position: {here}}}]}}\n"
+    person = f"  - {{name: person, shapes: [{{type: sphere, dimensions: [0.2]}}], pose: {{position: [0, 0, {rng.uniform(-3, -1.5)}]}}, unknown_motion: {{speed: {rng.uniform(0.01, 0.2)}, from: {rng.uniform(0, 1)}}}}}\n"
+    (folder / "cell.yaml").write_text("leeway_world: 1\nrobots:\n" + robot("left", 0, rng.uniform(0, 1)) + robot("right", rng.uniform(0.5, 2), rng.uniform(0, 1))
+        + "objects:\n" + box + person + ("scene: scene.yaml\n" if rng.random() < 0.5 else ""))

@@ -5,9 +5,11 @@
 // window with the checkers' arithmetic before it writes it.
 #pragma once
 
+#include "leeway/clock.h"
 #include "leeway/io/model.hpp"
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,16 @@ struct Piece
 {
 	unsigned degree = 1;
 	std::vector<double> points; ///< [degree + 1][group variables]; angles are plain numbers, they do not wrap
+	double seconds = 0;         ///< its duration, >= 0
+};
+
+/// Variables that one controller moves beside others: lw_track.
+struct Track
+{
+	std::vector<std::uint32_t> variables; ///< of the group
+	double lag = 0;                       ///< seconds, >= 0
+	double spread = 0;                    ///< metres per second, >= 0: of all bodies below its joints that shift
+	double since = 0;                     ///< seconds on the clock: no spread before
 };
 
 struct Settings
@@ -27,26 +39,58 @@ struct Settings
 	std::vector<double> tolerance;    ///< [group variables], radians and metres; empty: none
 	std::vector<std::string> sources; ///< files whose SHA-256 is stored: robot, SRDF, scene, path
 	lw_check_flags flags = LW_CHECK_BOTH;
-	double seconds = 60; ///< after which it gives up
+	double seconds = 60;       ///< after which it gives up
+	std::vector<Track> tracks; ///< of a schedule; empty: one controller moves all, and its lag takes no clearance off
+	double begin = 0;          ///< seconds on the clock, of the first piece
 };
 
 struct Certificate
 {
 	std::string bytes;
 	std::size_t pairs = 0;      ///< that must be proved along the whole motion
-	std::size_t windows = 0;    ///< that prove them
+	std::size_t spheres = 0;    ///< windows of pairs that are proved by spheres,
+	std::size_t directions = 0; ///< and by directions
 	std::size_t proof_size = 0; ///< bytes of these
 	double seconds = 0;
+	std::size_t windows() const { return spheres + directions; }
 };
 
 /// Straight edges from point to point, the shorter way for variables that wrap.
 std::vector<Piece> piecesOf( const io::Problem& problem, const std::vector<std::vector<double>>& points );
 
-/// @param robot of the problem: origins, axes, reasons of allowed pairs
-/// @param pieces each begins where the one before ends
-/// @param file of the motion, for errors
-/// @throws io::Error: a pair that is not farther apart than min_d, or so near that the windows become too small; a motion that the
-/// format cannot hold: a moving quaternion, pieces that are not joined; a solid mesh whose hull is not separate; no end within `seconds`
+/// A schedule of robots and objects: pieces from `from` to `to`, and as long as the largest lag before and after. Each ends where a piece of a track does.
+struct Schedule
+{
+	std::vector<Piece> pieces;
+	std::vector<Track> tracks;
+	std::vector<double> tolerance; ///< [group variables]: of the tracks, and the rounding of cut pieces
+	double begin = 0;
+};
+
+/// @param clock as lw_clock_check() accepts it @throws CoreError (LW_ERROR_INVALID_ARGUMENT: it does not)
+Schedule scheduleOf( const io::Problem& problem, const lw_clock& clock, double from, double to );
+
+/// Writes certificates of one robot in one scene, one after the other. What they have alike is made once.
+class Writer
+{
+public:
+	/// @param problem, robot outlive this; `robot` is that of the problem: origins, axes, reasons of allowed pairs
+	Writer( const io::Problem& problem, const io::RobotModel& robot );
+	~Writer();
+	Writer( const Writer& ) = delete;
+	Writer& operator=( const Writer& ) = delete;
+	/// @param pieces each begins where the one before ends
+	/// @param file of the motion, for errors
+	/// @throws io::Error: a pair that is not farther apart than min_d, or so near that the windows become too small; a motion that the
+	/// format cannot hold: a moving quaternion, pieces that are not joined; a solid mesh whose hull is not separate; no end within `seconds`
+	Certificate write( const std::vector<Piece>& pieces, const Settings& settings, const std::string& file );
+
+private:
+	struct State;
+	std::unique_ptr<State> m_state;
+};
+
+/// The only certificate of a problem. @throws as Writer::write()
 Certificate certify( const io::Problem& problem, const io::RobotModel& robot, const std::vector<Piece>& pieces,
     const Settings& settings, const std::string& file );
 
