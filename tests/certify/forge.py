@@ -121,7 +121,9 @@ class Words:
 
 def forged(rng, accepts, steps=18):
     """Content of a certificate that is accepted; None if none was found. Something stands as near as that allows."""
-    with_object = rng.random() < 0.6
+    timed = rng.random() < 0.4
+    late = timed and rng.random() < 0.6  # two chains of two tracks, over several pieces
+    with_object = rng.random() < 0.6 and not late
     links, variables, ends, second = some_links(rng, 1 if with_object else 2)
     bounded = range(judge.TRIANGLES, judge.CONE + 1)
     shapes = [some_shape(rng, bounded), some_shape(rng, [*bounded, *[judge.BOXES, judge.HALFSPACE] * 4, judge.PLANE] if with_object else bounded)]
@@ -133,8 +135,8 @@ def forged(rng, accepts, steps=18):
         shapes = [{**shape, **ball} if shape["kind"] <= judge.CONE else shape for shape in shapes]
     if with_object and shapes[1]["kind"] == judge.BOXES and rng.random() < 0.8:  # a wall
         shapes[1]["numbers"] = [-2, -2, -0.01, 2, 2, 0]
-    start, pieces = curves(rng, variables, rng.choice([1, 1, 1, 2]), rng.choice([1, 1, 1, 1, 2, 3, 5, 7]))
-    tolerated, timed = rng.random() < 0.25, rng.random() < 0.4
+    start, pieces = curves(rng, variables, rng.choice([2, 3, 4] if late else [1, 1, 1, 2]), rng.choice([1, 1, 1, 1, 2, 3, 5, 7]))
+    tolerated = rng.random() < 0.25
     body = {"owner": ends[0], "shape": 0, "pose": [rng.uniform(-0.4, 0.4) for _ in range(3)] + spin(rng)}
     turn = spin(rng) if rng.random() < 0.2 else facing(-toward if rng.random() < 0.9 else toward)
     other = {"owner": 0 if with_object else ends[-1], "shape": 1, "pose": [0.0 if with_object else rng.uniform(-0.4, 0.4) for _ in range(3)] + turn}
@@ -143,6 +145,11 @@ def forged(rng, accepts, steps=18):
         "bodies": [body] if with_object else [body, other], "objects": ["o"] if with_object else [], "obstacles": [other] if with_object else [],
         "allowed": [], "margins": [], "start": start, "pieces": pieces, "begin": rng.choice([0.0, rng.uniform(-1, 1)]),
         "seconds": [rng.choice([0.0, 1.0, 10 ** rng.uniform(-1, 1)]) if timed else 0.0 for _ in pieces]}
+    if late:
+        lag = 10 ** rng.uniform(-1.5, 0)
+        for number, one in enumerate(content["links"]):
+            if one["type"] and one["variable"] is not None:
+                content["variables"][one["variable"]].update(track=int(number >= second), lag=lag if number < second else rng.choice([0.0, lag]))
     words = Words(content, rng, body, other, toward, by_spheres)
     content["proof"] = b"".join(b"\0" + words.tree([words.elements(0), words.elements(1)], 2) + b"\0" for _ in pieces).hex()
     middle = numpy.array([judge.bezier([start, *pieces[0]], numpy.array([[0.5]]))[0]])

@@ -26,6 +26,55 @@ nb::object dictOf( const motions::Json& json )
 	return nb::module_::import_( "json" ).attr( "loads" )( nb::str( motions::jsonText( json ).c_str() ) );
 }
 
+std::string fileName( const nb::object& given )
+{
+	if ( nb::isinstance<nb::str>( given ) || nb::hasattr( given, "__fspath__" ) )
+	{
+		return nb::cast<std::string>( nb::module_::import_( "os" ).attr( "fspath" )( given ) );
+	}
+	return "";
+}
+
+std::vector<double> toleranceOf( const PyChecker& checker, const std::string& file,
+    const std::map<std::string, double>& of_goal, const nb::object& given )
+{
+	std::vector<motions::Tolerance> tolerances;
+	if ( !given.is_none() )
+	{
+		const Doubles numbers = nb::cast<Doubles>( given );
+		const double* values = vectorOf( numbers, checker.variables(), "tolerance", "variables of the group" );
+		for ( std::size_t v = 0; v < checker.variables(); ++v )
+		{
+			const std::string& name = checker.problem->variable_names[v];
+			tolerances.push_back( { name, values[v], "tolerance", name } );
+		}
+	}
+	return motions::tolerances( *checker.problem, file, of_goal, tolerances );
+}
+
+motions::Interpolation interpolationOf( const std::string& name )
+{
+	for ( const auto& [known, value] :
+	    { std::pair( "auto", motions::Interpolation::automatic ), std::pair( "linear", motions::Interpolation::linear ),
+	        std::pair( "cubic", motions::Interpolation::cubic ), std::pair( "quintic", motions::Interpolation::quintic ) } )
+	{
+		if ( name == known )
+		{
+			return value;
+		}
+	}
+	throw nb::value_error( ( "interpolation: '" + name + "' is none of auto, linear, cubic, quintic" ).c_str() );
+}
+
+std::vector<motions::TrajectoryFile> trajectoriesOf( const PyChecker& checker, const nb::object& times,
+    const nb::object& positions, const nb::object& velocities, const nb::object& accelerations )
+{
+	const std::string file = fileName( times );
+	return file.empty() ? std::vector<motions::TrajectoryFile>{ trajectoryOf(
+	                          checker, nb::cast<Doubles>( times ), positions, velocities, accelerations ) }
+	                    : motions::readTrajectories( file );
+}
+
 namespace
 {
 
@@ -42,16 +91,6 @@ motions::ProgressFunction interruptible()
 			throw nb::python_error();
 		}
 	};
-}
-
-/// The name of a file; empty for an array.
-std::string fileName( const nb::object& given )
-{
-	if ( nb::isinstance<nb::str>( given ) || nb::hasattr( given, "__fspath__" ) )
-	{
-		return nb::cast<std::string>( nb::module_::import_( "os" ).attr( "fspath" )( given ) );
-	}
-	return "";
 }
 
 struct Path
@@ -106,23 +145,6 @@ Path pathOf( const PyChecker& checker, const nb::object& given )
 		throw nb::value_error( "path: has no state" );
 	}
 	return path;
-}
-
-std::vector<double> toleranceOf( const PyChecker& checker, const std::string& file,
-    const std::map<std::string, double>& of_goal, const nb::object& given )
-{
-	std::vector<motions::Tolerance> tolerances;
-	if ( !given.is_none() )
-	{
-		const Doubles numbers = nb::cast<Doubles>( given );
-		const double* values = vectorOf( numbers, checker.variables(), "tolerance", "variables of the group" );
-		for ( std::size_t v = 0; v < checker.variables(); ++v )
-		{
-			const std::string& name = checker.problem->variable_names[v];
-			tolerances.push_back( { name, values[v], "tolerance", name } );
-		}
-	}
-	return motions::tolerances( *checker.problem, file, of_goal, tolerances );
 }
 
 nb::object auditPath( const PyChecker& checker, const nb::object& given, const std::optional<double>& min_d,
@@ -238,29 +260,12 @@ motions::JointLimits limitsOf( const nb::object& given )
 	return limits;
 }
 
-motions::Interpolation interpolationOf( const std::string& name )
-{
-	for ( const auto& [known, value] :
-	    { std::pair( "auto", motions::Interpolation::automatic ), std::pair( "linear", motions::Interpolation::linear ),
-	        std::pair( "cubic", motions::Interpolation::cubic ), std::pair( "quintic", motions::Interpolation::quintic ) } )
-	{
-		if ( name == known )
-		{
-			return value;
-		}
-	}
-	throw nb::value_error( ( "interpolation: '" + name + "' is none of auto, linear, cubic, quintic" ).c_str() );
-}
-
 nb::object auditTrajectory( const PyChecker& checker, const nb::object& times, const nb::object& positions,
     const nb::object& velocities, const nb::object& accelerations, const std::string& interpolation,
     const nb::object& joint_limits, double min_d, double slack, const std::string& check, const nb::object& tolerance )
 {
-	const std::string file = fileName( times );
 	const std::vector<motions::TrajectoryFile> files =
-	    file.empty() ? std::vector<motions::TrajectoryFile>{ trajectoryOf(
-	                       checker, nb::cast<Doubles>( times ), positions, velocities, accelerations ) }
-	                 : motions::readTrajectories( file );
+	    trajectoriesOf( checker, times, positions, velocities, accelerations );
 	motions::TrajectorySettings settings;
 	settings.edge.min_d = min_d;
 	settings.edge.slack = slack;

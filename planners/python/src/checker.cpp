@@ -349,7 +349,8 @@ void bindProperties( nb::class_<PyChecker>& type )
 } // namespace
 
 PyChecker::PyChecker( std::shared_ptr<const io::Problem> made, std::shared_ptr<const io::RobotModel> robot )
-    : problem( std::move( made ) ), model( std::move( robot ) ), queries( std::make_shared<QueryPool>( problem->checker ) )
+    : problem( std::move( made ) ), model( std::move( robot ) ), queries( std::make_shared<QueryPool>( problem->checker ) ),
+      certifier( newCertifier( problem, model ) )
 {
 }
 
@@ -466,6 +467,7 @@ void bindCheckers( nb::module_& module )
 	bindMotions( type );
 	bindAudits( module, type );
 	bindReferee( type );
+	bindCertificates( type );
 	bindGoals( type );
 	bindPlans( module, type );
 	type.def( "full_state", &fullState, "q"_a,

@@ -63,6 +63,11 @@ private:
 	Query m_query;
 };
 
+/// What certificates and bubbles of a checker have alike, made when it is needed: certificates.cpp
+struct Certifier;
+std::shared_ptr<Certifier> newCertifier(
+    std::shared_ptr<const io::Problem> problem, std::shared_ptr<const io::RobotModel> model );
+
 /// leeway.Checker: a snapshot, immutable.
 struct PyChecker
 {
@@ -70,6 +75,7 @@ struct PyChecker
 	std::shared_ptr<const io::Problem> problem;
 	std::shared_ptr<const io::RobotModel> model; ///< of `problem`
 	std::shared_ptr<QueryPool> queries;
+	std::shared_ptr<Certifier> certifier; ///< what certificates and bubbles have alike
 	const lw_checker* get() const { return problem->checker.get(); }
 	std::size_t variables() const { return problem->variables.size(); }
 };
@@ -126,8 +132,19 @@ void bindMotions( nb::class_<PyChecker>& type );
 /// Arrays as a trajectory of the checker's variables. @throws nb::value_error
 motions::TrajectoryFile trajectoryOf( const PyChecker& checker, const Doubles& times, const nb::object& positions,
     const nb::object& velocities, const nb::object& accelerations );
+/// The trajectories of a file, or of arrays. @param times seconds, or the name of a file @throws nb::value_error, io::Error
+std::vector<motions::TrajectoryFile> trajectoriesOf( const PyChecker& checker, const nb::object& times,
+    const nb::object& positions, const nb::object& velocities, const nb::object& accelerations );
+/// By its name. @throws nb::value_error
+motions::Interpolation interpolationOf( const std::string& name );
+/// [variables] of the argument, else of the trajectory's goal. @throws nb::value_error, io::Error
+std::vector<double> toleranceOf( const PyChecker& checker, const std::string& file,
+    const std::map<std::string, double>& of_goal, const nb::object& given );
+/// Of a file that is given by its name; empty for anything else.
+std::string fileName( const nb::object& given );
 void bindAudits( nb::module_& module, nb::class_<PyChecker>& type );
 void bindReferee( nb::class_<PyChecker>& type );
+void bindCertificates( nb::class_<PyChecker>& type );
 void bindGoals( nb::class_<PyChecker>& type );
 void bindPlans( nb::module_& module, nb::class_<PyChecker>& type );
 void bindReach( nb::module_& module );

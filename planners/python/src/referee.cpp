@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rulings on results of other planners, and certificates of paths: the libraries leeway::referee and leeway::certify.
+// Rulings on results of other planners: the library leeway::referee.
 #include "objects.hpp"
 
-#include "leeway/certify/certificate.hpp"
-#include "leeway/motions/motion_files.hpp"
-#include "leeway/motions/path_file.hpp"
 #include "referee/judge.hpp"
 
-#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -17,16 +13,6 @@ namespace
 {
 
 using namespace nb::literals;
-
-bool isFile( const nb::object& given )
-{
-	return nb::isinstance<nb::str>( given ) || nb::hasattr( given, "__fspath__" );
-}
-
-std::string nameOf( const nb::object& given )
-{
-	return nb::cast<std::string>( nb::module_::import_( "os" ).attr( "fspath" )( given ) );
-}
 
 std::vector<std::vector<double>> rowsOfStates( const PyChecker& checker, const nb::object& given, const char* name )
 {
@@ -46,9 +32,9 @@ std::vector<std::vector<double>> rowsOfStates( const PyChecker& checker, const n
 
 std::vector<referee::Item> itemsOf( const PyChecker& checker, const nb::object& given )
 {
-	if ( isFile( given ) )
+	if ( const std::string file = fileName( given ); !file.empty() )
 	{
-		return referee::readItems( nameOf( given ) );
+		return referee::readItems( file );
 	}
 	referee::Item item;
 	item.name = item.file = "item";
@@ -99,52 +85,6 @@ nb::object judgeItems( const PyChecker& checker, const nb::object& given, double
 	return dictOf( rulings );
 }
 
-nb::bytes certificateOf( const PyChecker& checker, const nb::object& given, const std::optional<double>& min_d,
-    const std::string& check, const nb::object& tolerance, const std::vector<std::string>& sources, double seconds )
-{
-	std::vector<std::vector<double>> points;
-	certify::Settings settings;
-	std::string file = "path";
-	if ( isFile( given ) )
-	{
-		const motions::PathFile path = motions::readPath( nameOf( given ) );
-		const std::vector<std::string> elsewhere = motions::startDifferences( path, *checker.problem );
-		if ( !elsewhere.empty() )
-		{
-			throw io::Error( path.file, "start_state", elsewhere.front(),
-			    "give the checker this state of the joints: Checker(..., reference=)" );
-		}
-		points = motions::groupPoints( path, *checker.problem );
-		settings.min_d = path.min_d;
-		file = path.file;
-	}
-	else
-	{
-		points = rowsOfStates( checker, given, "path" );
-	}
-	settings.min_d = min_d.value_or( settings.min_d );
-	settings.flags = checkFlags( check );
-	settings.sources = sources;
-	settings.seconds = seconds;
-	if ( !( settings.min_d >= 0 ) )
-	{
-		throw nb::value_error( "min_d: is no number of 0 or more" );
-	}
-	if ( !tolerance.is_none() )
-	{
-		const Doubles numbers = nb::cast<Doubles>( tolerance );
-		const double* values = vectorOf( numbers, checker.variables(), "tolerance", "variables of the group" );
-		settings.tolerance.assign( values, values + checker.variables() );
-	}
-	certify::Certificate certificate;
-	{
-		const nb::gil_scoped_release unlocked;
-		certificate = certify::certify(
-		    *checker.problem, *checker.model, certify::piecesOf( *checker.problem, points ), settings, file );
-	}
-	return nb::bytes( certificate.bytes.data(), certificate.bytes.size() );
-}
-
 } // namespace
 
 void bindReferee( nb::class_<PyChecker>& type )
@@ -160,14 +100,6 @@ void bindReferee( nb::class_<PyChecker>& type )
 	    "a colliding state is searched in `search` seconds; if there is none, boxes of it are proved in `prove` seconds. policy: what passes: 'proved',\n"
 	    "or all but a 'collision'. Returns a dict for each: name, kind, passed, verdict, reason, problems, assumed; first and worst with place and state,\n"
 	    "worst also with depth [least, most]; region: the share that is proved. Raises InputError." );
-	type.def( "certificate", &certificateOf, "path"_a, nb::kw_only(), "min_d"_a = nb::none(), "check"_a = "both",
-	    "tolerance"_a = nb::none(), "sources"_a = std::vector<std::string>(), "seconds"_a = 60.0,
-	    nb::sig(
-	        "def certificate(self, path: str | os.PathLike | numpy.typing.ArrayLike, *, min_d: float | None = None, check: str = 'both', "
-	        "tolerance: numpy.typing.ArrayLike | None = None, sources: list[str] = [], seconds: float = 60.0) -> bytes" ),
-	    "A certificate of a path, which leeway.certificate.check() and the programs beside it check: `leeway audit --certificate`.\n\n"
-	    "path: float64 [n, dof], or a path file. min_d: of the file unless given, else 0. tolerance: float64 [dof], deviations for which it holds.\n"
-	    "sources: files whose SHA-256 is stored. seconds: then it is an error. Raises InputError if the path is not free, and names the pair." );
 }
 
 } // namespace leeway::python

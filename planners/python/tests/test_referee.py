@@ -79,3 +79,38 @@ def test_a_path_that_is_not_free_gets_a_certificate(checker):
         checker.certificate(FREE, tolerance=[0.5] * 4)
     with pytest.raises(ValueError, match="min_d"):
         checker.certificate(FREE, min_d=-1)
+
+
+def test_a_trajectory_gets_the_certificate_of_its_polyline(checker):
+    path, speeds = FREE[[0, 1]], numpy.zeros((2, 4))
+    straight = leeway.certificate.content(checker.certificate_trajectory([0.0, 2.0], path))
+    data = checker.certificate_trajectory([0.0, 2.0], path, speeds, tolerance=[0.001] * 4)
+    cubic = leeway.certificate.content(data)
+    assert straight["seconds"] == cubic["seconds"] == [2.0]
+    assert [len(straight["pieces"][0]), len(cubic["pieces"][0])] == [1, 3]
+    assert leeway.certificate.check(data).accepted
+    with pytest.raises(leeway.InputError, match="not farther apart"):
+        checker.certificate_trajectory([0.0, 2.0], THROUGH)
+
+
+def test_certificates_of_one_checker_differ(checker):
+    first = checker.certificate(FREE)
+    checker.certificate(FREE[[1, 2]], check="self", tolerance=[0.001] * 4)
+    assert checker.certificate(FREE) == first
+
+
+def test_states_of_a_bubble_collide(checker):
+    random = numpy.random.default_rng(3)
+    blocked = 0
+    for state in random.uniform(-1.5, 1.5, (40, 4)):
+        box = checker.bubble(state)
+        free = checker.clearance(state)[0] > 0
+        assert (box > 0).all() == free
+        blocked += not free
+        corners = state + box * numpy.sign(random.uniform(-1, 1, (200, 4)))
+        assert not free or all(checker.clearance(corner)[0] > 0 for corner in corners)
+    assert blocked > 0
+    assert (checker.bubble(FREE[0], most=1e-4) <= 1e-4).all()
+    for wrong in ({"min_d": -1}, {"most": 0}):
+        with pytest.raises(ValueError, match="min_d"):
+            checker.bubble(FREE[0], **wrong)
