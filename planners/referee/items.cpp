@@ -98,33 +98,34 @@ std::vector<Region> regionsOf( const std::string& file, const YAML::Node& root )
 
 std::vector<motions::Segment> bsplineOf( const std::string& file, const YAML::Node& node, const std::string& element )
 {
-	const double order = motions::finiteValue( file, node["order"], element + ".order" );
+	const double order = motions::finiteValue( file, child( node, "order" ), element + ".order" );
 	if ( !( order >= 2 && order <= LW_CURVE_MOST_DEGREE + 1 && order == static_cast<unsigned>( order ) ) )
 	{
 		throw io::Error( file, element + ".order",
 		    fmt::format( "{:g} is not a whole number of 2 to {}", order, LW_CURVE_MOST_DEGREE + 1 ),
 		    "give order = degree + 1" );
 	}
-	const std::vector<std::vector<double>> points = numberRows( file, node["control_points"], element + ".control_points" );
-	const std::vector<double> knots = motions::numberList( file, node["knots"], element + ".knots",
+	const std::vector<std::vector<double>> points =
+	    numberRows( file, child( node, "control_points" ), element + ".control_points" );
+	const std::vector<double> knots = motions::numberList( file, child( node, "knots" ), element + ".knots",
 	    points.size() + static_cast<std::size_t>( order ), "give control points + order knots" );
 	return fromBspline( static_cast<unsigned>( order ), knots, points, file, element );
 }
 
 std::vector<motions::Segment> bezierOf( const std::string& file, const YAML::Node& node, const std::string& element )
 {
-	const double begin = motions::finiteValue( file, node["start"], element + ".start" );
-	const double end = motions::finiteValue( file, node["end"], element + ".end" );
-	return {
-	    fromBezier( begin, end, numberRows( file, node["control_points"], element + ".control_points" ), file, element ) };
+	const double begin = motions::finiteValue( file, child( node, "start" ), element + ".start" );
+	const double end = motions::finiteValue( file, child( node, "end" ), element + ".end" );
+	return { fromBezier(
+	    begin, end, numberRows( file, child( node, "control_points" ), element + ".control_points" ), file, element ) };
 }
 
 std::vector<motions::Segment> polynomialsOf( const std::string& file, const YAML::Node& node, const std::string& element )
 {
-	const YAML::Node pieces = node["coefficients"];
+	const YAML::Node pieces = child( node, "coefficients" );
 	const std::size_t count = pieces.IsDefined() && pieces.IsSequence() ? pieces.size() : 0;
 	const std::vector<double> breaks = motions::numberList(
-	    file, node["breaks"], element + ".breaks", count + 1, "give one break more than pieces of coefficients" );
+	    file, child( node, "breaks" ), element + ".breaks", count + 1, "give one break more than pieces of coefficients" );
 	std::vector<motions::Segment> segments;
 	for ( std::size_t i = 0; i < count; ++i )
 	{

@@ -5,6 +5,7 @@
 #include "referee/columns.hpp"
 
 #include <fmt/format.h>
+#include <tinyxml2.h>
 
 #include <algorithm>
 #include <chrono>
@@ -315,30 +316,12 @@ std::string headline( const Ruling& ruling )
 	}
 }
 
-std::string escaped( const std::string& text )
+/// Without characters that XML cannot hold.
+std::string printable( std::string text )
 {
-	std::string out;
-	for ( const char c : text )
-	{
-		switch ( c )
-		{
-		case '&':
-			out += "&amp;";
-			break;
-		case '<':
-			out += "&lt;";
-			break;
-		case '>':
-			out += "&gt;";
-			break;
-		case '"':
-			out += "&quot;";
-			break;
-		default:
-			out += static_cast<unsigned char>( c ) < 32 && c != '\n' ? '?' : c;
-		}
-	}
-	return out;
+	std::replace_if(
+	    text.begin(), text.end(), []( char c ) { return static_cast<unsigned char>( c ) < 32 && c != '\n'; }, '?' );
+	return text;
 }
 
 } // namespace
@@ -415,25 +398,39 @@ motions::Json toJson( const Ruling& ruling, Policy policy )
 
 std::string junit( const std::vector<Ruling>& rulings, Policy policy, const std::string& robot )
 {
-	std::size_t failures = 0;
+	const auto failures =
+	    std::count_if( rulings.begin(), rulings.end(), [&]( const Ruling& ruling ) { return !ruling.passes( policy ); } );
 	double seconds = 0;
-	std::string cases;
 	for ( const Ruling& ruling : rulings )
 	{
-		const bool passed = ruling.passes( policy );
-		failures += passed ? 0 : 1;
 		seconds += ruling.seconds;
-		cases += fmt::format( "  <testcase classname=\"leeway.referee.{}\" name=\"{}\" time=\"{:.3f}\"",
-		    escaped( ruling.kind ), escaped( ruling.name ), ruling.seconds );
-		cases += passed
-		             ? "/>\n"
-		             : fmt::format( ">\n    <failure type=\"{}\" message=\"{}\">{}</failure>\n  </testcase>\n",
-		                   lw_verdict_name( ruling.verdict ), escaped( headline( ruling ) ), escaped( describe( ruling ) ) );
 	}
-	return fmt::format(
-	    "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"leeway referee {}\" tests=\"{}\" failures=\"{}\" "
-	    "time=\"{:.3f}\">\n{}</testsuite>\n",
-	    escaped( robot ), rulings.size(), failures, seconds, cases );
+	const auto told = []( double value ) { return fmt::format( "{:.3f}", value ); };
+	tinyxml2::XMLPrinter out;
+	out.PushDeclaration( "xml version=\"1.0\" encoding=\"UTF-8\"" );
+	out.OpenElement( "testsuite" );
+	out.PushAttribute( "name", printable( "leeway referee " + robot ).c_str() );
+	out.PushAttribute( "tests", static_cast<int64_t>( rulings.size() ) );
+	out.PushAttribute( "failures", static_cast<int64_t>( failures ) );
+	out.PushAttribute( "time", told( seconds ).c_str() );
+	for ( const Ruling& ruling : rulings )
+	{
+		out.OpenElement( "testcase" );
+		out.PushAttribute( "classname", printable( "leeway.referee." + ruling.kind ).c_str() );
+		out.PushAttribute( "name", printable( ruling.name ).c_str() );
+		out.PushAttribute( "time", told( ruling.seconds ).c_str() );
+		if ( !ruling.passes( policy ) )
+		{
+			out.OpenElement( "failure" );
+			out.PushAttribute( "type", lw_verdict_name( ruling.verdict ) );
+			out.PushAttribute( "message", printable( headline( ruling ) ).c_str() );
+			out.PushText( printable( describe( ruling ) ).c_str() );
+			out.CloseElement();
+		}
+		out.CloseElement();
+	}
+	out.CloseElement();
+	return out.CStr();
 }
 
 } // namespace leeway::referee

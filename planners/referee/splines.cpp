@@ -11,24 +11,22 @@ namespace leeway::referee
 namespace
 {
 
-void requireInterval( double begin, double end, const std::string& file, const std::string& element )
+/// A segment of a degree that holds so many numbers of each variable.
+motions::Segment segmentOf(
+    double begin, double end, std::size_t numbers, const std::string& file, const std::string& element )
 {
 	if ( !( end > begin ) || !std::isfinite( end - begin ) )
 	{
 		throw io::Error(
 		    file, element, fmt::format( "ends at {:g} s, and begins at {:g} s", end, begin ), "give times that increase" );
 	}
-}
-
-unsigned requireDegree( std::size_t numbers, const std::string& file, const std::string& element )
-{
 	if ( numbers < 1 || numbers > LW_CURVE_MOST_DEGREE + 1 )
 	{
 		throw io::Error( file, element,
 		    fmt::format( "is of degree {}, and 1 to {} can be judged", double( numbers ) - 1, LW_CURVE_MOST_DEGREE ),
 		    "approximate it by more pieces of a lower degree" );
 	}
-	return std::max( 1U, static_cast<unsigned>( numbers ) - 1 );
+	return { begin, end - begin, std::max( 1U, static_cast<unsigned>( numbers ) - 1 ), {} };
 }
 
 /// The blossom of the spline on the interval that begins at knots[span], at `degree` arguments.
@@ -93,11 +91,7 @@ std::vector<motions::Segment> fromBspline( unsigned order, const std::vector<dou
 motions::Segment fromBezier(
     double begin, double end, const Rows& points, const std::string& file, const std::string& element )
 {
-	requireInterval( begin, end, file, element );
-	motions::Segment segment;
-	segment.begin = begin;
-	segment.seconds = end - begin;
-	segment.degree = requireDegree( points.size(), file, element );
+	motions::Segment segment = segmentOf( begin, end, points.size(), file, element );
 	for ( unsigned k = 0; k <= segment.degree; ++k )
 	{
 		const std::vector<double>& point = points[std::min<std::size_t>( k, points.size() - 1 )];
@@ -109,11 +103,7 @@ motions::Segment fromBezier(
 motions::Segment fromPowers(
     double begin, double end, const Rows& coefficients, const std::string& file, const std::string& element )
 {
-	requireInterval( begin, end, file, element );
-	motions::Segment segment;
-	segment.begin = begin;
-	segment.seconds = end - begin;
-	segment.degree = requireDegree( coefficients.front().size(), file, element );
+	motions::Segment segment = segmentOf( begin, end, coefficients.front().size(), file, element );
 	segment.points.assign( ( segment.degree + 1 ) * coefficients.size(), 0.0 );
 	for ( std::size_t v = 0; v < coefficients.size(); ++v )
 	{

@@ -69,6 +69,8 @@ const std::vector<Target>& targets()
 	    { "csv", csv, text, "csv" },
 	    { "path", path, text, "path" },
 	    { "steps", steps, text, "steps" },
+	    { "referee_text", refereeText, text, "referee_text" },
+	    { "referee_array", refereeArray, text, "referee_array" },
 	    { "shape_blob", shapeBlob, binary, "shape_blob" },
 	    { "reach_blob", reachBlob, binary, "reach_blob" },
 	    { "cache_file", cacheFile, binary, "cache_file" },

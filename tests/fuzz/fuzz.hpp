@@ -36,6 +36,7 @@ void meshStl( Input ), meshObj( Input ), meshPly( Input ), meshDae( Input ), mes
 void cloudPcd( Input ), cloudPly( Input ), octomap( Input ), heightMap( Input );
 void urdf( Input ), mjcf( Input ), srdf( Input ), scene( Input ), request( Input ), settings( Input ), world( Input );
 void csv( Input ), path( Input ), steps( Input );
+void refereeText( Input ), refereeArray( Input );
 void shapeBlob( Input ), reachBlob( Input ), cacheFile( Input );
 void coreCalls( Input );
 

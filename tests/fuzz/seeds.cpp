@@ -269,6 +269,29 @@ void addBlobs( std::vector<Seed>& seeds )
 	seeds.push_back( { "cache_file", "mesh", file } );
 }
 
+/// NumPy's arrays: magic, version, size of the header, header, numbers.
+void addArrays( std::vector<Seed>& seeds )
+{
+	const auto array = [&]( const std::string& name, const std::string& type, const std::string& shape, const auto& numbers )
+	{
+		std::string header = "{'descr': '" + type + "', 'fortran_order': False, 'shape': " + shape + ", }";
+		header.append( 117 - header.size(), ' ' );
+		header += '\n';
+		std::string file = "\x93NUMPY";
+		append( file, std::uint16_t( 1 ) );
+		append( file, std::uint16_t( header.size() ) );
+		file += header;
+		for ( const auto number : numbers )
+		{
+			append( file, number );
+		}
+		seeds.push_back( { "referee_array", name, file } );
+	};
+	array( "path", "<f8", "(2, 2)", std::vector<double>{ 0, 0, 0.5, 0.1 } );
+	array( "paths", "<f4", "(2, 2, 2)", std::vector<float>{ 0, 0, 0.5F, 0.1F, 0.2F, 0, 1, 0.2F } );
+	array( "nothing", "<f8", "(0, 2)", std::vector<double>{} );
+}
+
 } // namespace
 
 std::vector<Seed> generatedSeeds()
@@ -283,6 +306,7 @@ std::vector<Seed> generatedSeeds()
 	    { "height_map", "png8", png( 8 ) },
 	    { "height_map", "png16", png( 16 ) },
 	};
+	addArrays( seeds );
 	addMaps( seeds );
 	addBlobs( seeds );
 	// Sequences of calls have no format: any bytes are some
