@@ -2,25 +2,29 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Certificates of planning problems: sizes, windows, times of writing and of both checkers.
 
-    certificates.py --leeway build/bin/leeway --checker build/bin/check_certificate [--problems N] ROBOT.urdf ROBOT.srdf FOLDER...
+    PYTHONPATH=build/python certificates.py --leeway build/bin/leeway --checker build/bin/check_certificate [--problems N] ROBOT.urdf ROBOT.srdf FOLDER...
 
-FOLDER has sceneNNNN.yaml and requestNNNN.yaml of MotionBenchMaker. Prints a row for each folder: medians and largest values. Exit status 1: a checker
-refuses a certificate."""
+FOLDER has sceneNNNN.yaml and requestNNNN.yaml of MotionBenchMaker. Prints a row for each folder: medians, and the largest values. `search`: of `leeway plan`,
+with its simplification, the best of three. `first`: the first certificate of a checker, which makes the model; `next`: the median of nine others of the
+same path; both are processor's time. The proof has spheres and directions (planes); no tables. Exit status 1: a checker refuses a certificate."""
 import argparse
 import importlib.util
+import json
 import pathlib
-import re
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
 
+import yaml
+
+import leeway
+
 SOURCE = pathlib.Path(__file__).resolve().parents[2] / "planners" / "certify" / "check_certificate.py"
 spec = importlib.util.spec_from_file_location("check_certificate", SOURCE)
 check = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(check)
-TOLD = re.compile(r"(\d+) pairs proved in (\d+) windows, (\d+) bytes, of which (\d+) are the proof, made in (\d+) ms")
 
 
 class Counting(check.Proof):
@@ -39,35 +43,52 @@ class Counting(check.Proof):
         super().plane(a, b, window, n)
 
 
-def seconds_of(call):
-    begin = time.perf_counter()
+def seconds_of(call, clock=time.perf_counter):
+    begin = clock()
     result = call()
-    return result, time.perf_counter() - begin
+    return result, clock() - begin
 
 
-def one(given, model, scene, request, folder):
+def one(given, robot, request, folder):
     """Row of numbers, or None without a path."""
-    file = folder / "c.lwc"
-    file.unlink(missing_ok=True)
-    run = subprocess.run([given.leeway, "plan", *model, "--scene", scene, "--request", request, "--out", folder / "path.yaml", "--certificate", file],
-        capture_output=True, text=True, check=False)
-    told = TOLD.search(run.stdout)
-    if run.returncode != 0 or not told:
+    file, path, report = folder / "c.lwc", folder / "path.yaml", folder / "report.json"
+    scene = request.with_name(request.name.replace("request", "scene"))
+    path.unlink(missing_ok=True)
+    search = []
+    for _ in range(3):
+        subprocess.run([given.leeway, "plan", "--robot", given.robot, "--srdf", given.srdf, "--scene", scene, "--request", request, "--out", path, "--report", report],
+            capture_output=True, text=True, check=False)
+        if not path.exists():
+            return None
+        took = json.loads(report.read_text())["seconds"]
+        search.append(sum(took[name] for name in ("plan", "certify", "simplify")))
+    asked = yaml.safe_load(request.read_text())
+    planned = yaml.safe_load(path.read_text())
+    start = planned["start_state"]["joint_state"]
+    checker = leeway.Checker(robot, leeway.Scene(scene), group=asked["group_name"], reference=dict(zip(start["name"], start["position"])))
+    order = [planned["joint_names"].index(name) for name in checker.variables]
+    points = [[point["positions"][i] for i in order] for point in planned["points"]]
+    try:
+        data, first = seconds_of(lambda: checker.certificate(points), time.thread_time)
+    except leeway.InputError:
         return None
-    pairs, windows, size, proof, made = map(int, told.groups())
+    following = statistics.median(seconds_of(lambda: checker.certificate(points), time.thread_time)[1] for _ in range(9))
+    file.write_bytes(data)
     c, c_seconds = seconds_of(lambda: subprocess.run([given.checker, file], capture_output=True, check=False).returncode)
 
     def by_python():
-        content = check.Reader(file.read_bytes()).content()
+        content = check.Reader(data).content()
         counting = Counting(check.Model(content), content)
         counting.run()
-        return counting.kinds
+        return counting.kinds, len(content["proof"]) // 2
 
-    kinds, python_seconds = seconds_of(by_python)
+    (kinds, proof), python_seconds = seconds_of(by_python)
     if c != 0:
         raise SystemExit(f"{request}: the checker in C says {c}")
-    return {"kB": size / 1000, "proof kB": proof / 1000, "pairs": pairs, "windows": windows, "directions %": 100 * kinds["directions"] / windows,
-        "written ms": made, "C ms": 1000 * c_seconds, "Python s": python_seconds}
+    windows = sum(kinds.values())
+    return {"kB": len(data) / 1000, "proof kB": proof / 1000, "windows": windows, "spheres %": 100 * kinds["spheres"] / windows,
+        "directions %": 100 * kinds["directions"] / windows, "search ms": 1000 * min(search),
+        "first ms": 1000 * first, "next ms": 1000 * following, "C ms": 1000 * c_seconds, "Python s": python_seconds}
 
 
 def main():
@@ -80,16 +101,15 @@ def main():
     options.add_argument("folders", nargs="+", type=pathlib.Path)
     given = options.parse_args()
     sys.setrecursionlimit(10000)
-    head = False
+    head, robot = False, leeway.Robot(given.robot, srdf=given.srdf)
     with tempfile.TemporaryDirectory() as scratch:
         for folder in given.folders:
             rows, asked = [], sorted(folder.glob("request*.yaml"))[:given.problems]
             for request in asked:
-                scene = request.with_name(request.name.replace("request", "scene"))
-                row = one(given, ["--robot", given.robot, "--srdf", given.srdf], scene, request, pathlib.Path(scratch))
+                row = one(given, robot, request, pathlib.Path(scratch))
                 rows += [row] if row else []
             if rows and not head:
-                head = print("| problems | certified |", " | ".join(f"{name}, median (largest)" for name in rows[0]), "|") is None
+                head = print("| problems | certified |", " | ".join(rows[0]), "|") is None
                 print("|---|---|" + "---|" * len(rows[0]))
             cells = [f"{statistics.median(r[name] for r in rows):.3g} ({max(r[name] for r in rows):.3g})" for name in (rows[0] if rows else [])]
             print(f"| {folder.name} | {len(rows)} of {len(asked)} |", " | ".join(cells), "|", flush=True)

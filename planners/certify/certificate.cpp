@@ -395,6 +395,7 @@ public:
 		m_may_halve = std::any_of(
 		    deviations.begin(), deviations.end(), []( const Deviation& one ) { return one.lag > 0 || one.spread > 0; } );
 		m_halved.assign( pieces.size(), 0 );
+		m_hints.assign( common.pairs.size(), { 0, 0, 0 } );
 	}
 	void run();
 	const std::vector<Piece>& pieces() const { return m_pieces; }
@@ -413,6 +414,7 @@ private:
 	const std::string& m_file;
 	std::vector<Piece> m_pieces;
 	std::vector<unsigned> m_halved; ///< how often, each piece
+	std::vector<Vec> m_hints;       ///< of pairs
 	bool m_may_halve;
 	Bytes m_out;
 };
@@ -434,7 +436,7 @@ void Proof::piece( std::size_t k )
 		proof.clear();
 		try
 		{
-			m_search.prove( pair, m_settings.min_d, *window, proof );
+			m_search.prove( pair, m_settings.min_d, *window, m_hints[std::size_t( &pair - m_common.pairs.data() )], proof );
 		}
 		catch ( Failure& failure )
 		{
@@ -443,7 +445,8 @@ void Proof::piece( std::size_t k )
 			failure.why = fmt::format( "{} - {} {}", model.links[model.bodies[pair.a].owner].name, b, failure.why );
 			throw;
 		}
-		if ( std::chrono::duration<double>( std::chrono::steady_clock::now() - m_begin ).count() > m_settings.seconds )
+		if ( proof.size() > 1 &&
+		     std::chrono::duration<double>( std::chrono::steady_clock::now() - m_begin ).count() > m_settings.seconds )
 		{
 			throw io::Error( m_file, fmt::format( "piece {}", k + 1 ),
 			    fmt::format( "the certificate is not complete after {} s", m_settings.seconds ),

@@ -111,6 +111,7 @@ struct Search::Task
 {
 	const Pair& pair;
 	double need; ///< with the rounding that the writer leaves
+	Vec& last;   ///< direction that was written
 	std::string& out;
 };
 
@@ -149,6 +150,7 @@ bool Search::write( const Task& task, const Side& a, const Side& b, const Vec& d
 				}
 			}
 			++directions;
+			task.last = direction;
 			return true;
 		}
 		if ( !( room > -2 / scale * size ) )
@@ -183,7 +185,8 @@ bool Search::separate(
 	{
 		const double size = length( v );
 		const bool is_guess = hinted && round == 0; // a direction, no difference of points
-		if ( size < 1e-12 || ( !is_guess && size <= task.need ) )
+		// v joins two points: of hulls the room for a plane is measured further, to be compared with the distance of the bodies
+		if ( size < 1e-12 || ( !is_guess && size <= task.need + ( boxes ? lost : 0 ) ) )
 		{
 			break;
 		}
@@ -267,10 +270,11 @@ void Search::halveTime( const Task& task, const Side& a, const Side& b, Window& 
 	}
 	task.out.push_back( static_cast<char>( Word::halve_time ) );
 	m_motion.halve( window );
+	const bool is_kept = a.range == 0 && task.pair.object && !task.pair.late;
 	for ( Window* half : { window.first.get(), window.later.get() } )
 	{
-		step( task, sideOf( task, a, a.range, *half ), b.body->on_link ? sideOf( task, b, b.range, *half ) : b, *half,
-		    direction, -1 );
+		const Side& next_a = is_kept ? m_motion.whole( task.pair.a, *half ) : sideOf( task, a, a.range, *half );
+		step( task, next_a, b.body->on_link ? sideOf( task, b, b.range, *half ) : b, *half, direction, -1 );
 	}
 }
 
@@ -344,18 +348,19 @@ void Search::step( const Task& task, const Side& a, const Side& b, Window& windo
 	halveTime( task, a, b, window, direction );
 }
 
-void Search::prove( const Pair& pair, double min_d, Window& window, std::string& out )
+void Search::prove( const Pair& pair, double min_d, Window& window, Vec& hint, std::string& out )
 {
-	const Task task = { pair, min_d + pair.margin + m_motion.rounding(), out };
+	const Task task = { pair, min_d + pair.margin + m_motion.rounding(), hint, out };
+	const Vec begin = hint;
 	const auto moving = [&]( std::uint32_t body )
 	{ return m_motion.side( m_motion.body( body ), 0, pair.ancestor, pair.late, window ); };
 	if ( pair.object && !pair.late )
 	{
-		step( task, m_motion.whole( pair.a, window ), m_motion.whole( pair.b ), window, { 0, 0, 0 }, -1 );
+		step( task, m_motion.whole( pair.a, window ), m_motion.whole( pair.b ), window, begin, -1 );
 	}
 	else
 	{
-		step( task, moving( pair.a ), pair.object ? m_motion.whole( pair.b ) : moving( pair.b ), window, { 0, 0, 0 }, -1 );
+		step( task, moving( pair.a ), pair.object ? m_motion.whole( pair.b ) : moving( pair.b ), window, begin, -1 );
 	}
 }
 

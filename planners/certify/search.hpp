@@ -37,8 +37,9 @@ public:
 	      m_obstacles( std::move( core_obstacles ) )
 	{
 	}
-	/// Appends the proof of a pair over a whole piece, beginning at `window`. @throws Failure
-	void prove( const Pair& pair, double min_d, Window& window, std::string& out );
+	/// Appends the proof of a pair over a whole piece, beginning at `window`.
+	/// @param hint a direction that separated them on the piece before, zero: none; on return one of this piece @throws Failure
+	void prove( const Pair& pair, double min_d, Window& window, Vec& hint, std::string& out );
 	/// Tests that were written, by spheres and by directions.
 	std::size_t spheres = 0, directions = 0;
 

@@ -2,6 +2,7 @@
 // The writer of certificates: motions without one, schedules, and the digests that it stores.
 #include "certify/schedule.hpp"
 #include "files.hpp"
+#include "seeded_rng.hpp"
 
 #include <fmt/format.h>
 
@@ -218,4 +219,58 @@ TEST_F( ScheduleTest, CommonPartsDifferBetweenCertificates )
 	EXPECT_EQ( writer.write( schedule.pieces, settingsOf( schedule ), "motion.yaml" ).bytes, first.bytes );
 	EXPECT_EQ(
 	    certify::certify( problem, robot, schedule.pieces, settingsOf( schedule ), "motion.yaml" ).bytes, first.bytes );
+}
+
+// By brute force: a variable that is late or early is no farther from its place than its tube says
+TEST( Tubes, VariablesLeaveThem )
+{
+	SeededRng rng;
+	for ( int world = 0; world < 200; ++world )
+	{
+		std::vector<Piece> pieces;
+		double last = rng.uniform( -1, 1 ), begin = rng.uniform( -2, 2 ), end = begin;
+		for ( int k = rng.integer( 1, 5 ); k > 0; --k )
+		{
+			const auto degree = static_cast<unsigned>( rng.integer( 1, 5 ) );
+			Piece piece{ degree, { last }, std::pow( 10.0, rng.uniform( -1, 1 ) ) };
+			const double size = std::pow( 10.0, rng.uniform( -2, 1 ) );
+			for ( unsigned i = 0; i < degree; ++i )
+			{
+				piece.points.push_back( piece.points.back() + size * rng.uniform( -1, 1 ) );
+			}
+			last = piece.points.back();
+			end += piece.seconds;
+			pieces.push_back( std::move( piece ) );
+		}
+		const auto at = [&]( double time )
+		{
+			double start = begin;
+			for ( const Piece& piece : pieces )
+			{
+				if ( time <= start + piece.seconds || &piece == &pieces.back() )
+				{
+					const double s = std::min( 1.0, std::max( 0.0, ( time - start ) / piece.seconds ) );
+					return partOf( piece.points, 1, s, s )[0];
+				}
+				start += piece.seconds;
+			}
+			return 0.0;
+		};
+		const Deviation deviation{ 1, 0.25, std::pow( 10.0, rng.uniform( -2, 1 ) ), 0.5, rng.uniform( -2, 5 ) };
+		double start = begin;
+		for ( std::size_t k = 0; k < pieces.size(); ++k )
+		{
+			const Tubes tubes = tubesOf( pieces, k, begin, { deviation } );
+			for ( int i = 0; i < 100; ++i )
+			{
+				const double t = start + pieces[k].seconds * rng.uniform( 0, 1 );
+				const double d = deviation.lag * ( i % 2 == 0 ? rng.uniform( -1, 1 ) : i % 4 == 1 ? 1 : -1 );
+				EXPECT_LE( std::fabs( at( t + d ) - at( t ) ), tubes.late[0] + 1e-9 )
+				    << "world " << world << ", piece " << k;
+				const double spread = 0.25 + 0.5 * std::max( 0.0, std::min( t + std::fabs( d ), end ) - deviation.since );
+				EXPECT_LE( spread, tubes.timely[0] + 1e-9 );
+			}
+			start += pieces[k].seconds;
+		}
+	}
 }
