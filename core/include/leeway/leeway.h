@@ -7,6 +7,7 @@
 #include "leeway/blob.h"
 #include "leeway/checker.h"
 #include "leeway/clock.h"
+#include "leeway/cloud.h"
 #include "leeway/depth.h"
 #include "leeway/detail.h"
 #include "leeway/distance.h"

@@ -99,7 +99,7 @@ char* lwi_name_retain( const char* text )
 	return mine->text;
 }
 
-static void name_release( char* text )
+void lwi_name_release( char* text )
 {
 	if ( text != NULL && lwi_release( &name_of( text )->references ) )
 	{
@@ -117,7 +117,7 @@ void lwi_scene_free( lw_scene* scene )
 	{
 		for ( uint32_t i = 0; i < scene->object_count; ++i )
 		{
-			name_release( scene->object_names[i] );
+			lwi_name_release( scene->object_names[i] );
 		}
 	}
 	if ( scene->shapes != NULL )

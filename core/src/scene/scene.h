@@ -37,6 +37,7 @@ void lwi_scene_bound( lw_scene* scene );
 /// Names of objects: reference counted.
 char* lwi_name_create( const lw_allocator* allocator, const char* text );
 char* lwi_name_retain( const char* text );
+void lwi_name_release( char* text ); ///< NULL is ignored
 
 /// World box of a shape at a pose, outward by a stated rounding.
 void lwi_world_box( const lw_shape* shape, const lw_transform* world_from_shape, double box_min[3], double box_max[3] );

@@ -1,0 +1,434 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Clearing by the rays of a picture: voxels are looked up in it, cubes of them first. Derivation: core/docs/cloud.md.
+//
+// No ray is followed through the voxels. A voxel is looked up in the picture: it is free if all pixels that its ball covers saw something behind it, and if
+// the ray of one of them goes through it. Cubes of 32, 8, 4 and 2 voxels are looked up first: many are behind all that the pixels saw, or beside the
+// picture, or wholly in front. A pyramid of least and greatest depths makes each look-up a few numbers.
+#include "cloud/cloud.h"
+#include "base/math_inline.h"
+
+#include <string.h>
+
+typedef enum judgement
+{
+	NONE, ///< no voxel of the cube can be cleared
+	SOME,
+	ALL ///< each voxel of the cube is free
+} judgement;
+
+typedef struct ball
+{
+	float x, y, z; ///< centre, frame of the view
+} ball;
+
+enum
+{
+	CUBES = 3 ///< of 4, 2 and 1 voxels, in one of twice the edge
+};
+
+typedef struct clearer
+{
+	lw_cloud* cloud;
+	const lwi_view* view;
+	lw_cloud_report* report;
+	uint32_t stamp;
+	float fx, fy, cx, cy;
+	float edge, margin;  ///< metres
+	float radius[CUBES]; ///< of the balls around cubes of 4, 2 and 1 voxels
+	ball step[CUBES][8]; ///< from the middle of a cube to those of its eighths
+	double chunk_radius, block_radius;
+} clearer;
+
+/// The pixels that a ball covers, and the least and greatest depth that they saw.
+typedef struct window
+{
+	bool meets, inside; ///< the picture; all of it is in the picture
+	float least, greatest;
+} window;
+
+static inline int clamped( float value, int most )
+{
+	return value <= 0 ? 0 : value >= (float)most ? most : (int)value;
+}
+
+/// @param near, far of the ball: depths, > 0
+static window look( const clearer* c, ball at, float radius, float near, float far )
+{
+	const lwi_view* view = c->view;
+	const int right = (int)view->width[0] - 1, bottom = (int)view->height[0] - 1;
+	const float by_near = 1 / near, by_far = 1 / far;
+	// the greatest and the least x / z of the box around the ball
+	const float x0 = at.x - radius, x1 = at.x + radius, y0 = at.y - radius, y1 = at.y + radius;
+	const float u0 = floorf( c->fx * x0 * ( x0 >= 0 ? by_far : by_near ) + c->cx );
+	const float u1 = ceilf( c->fx * x1 * ( x1 >= 0 ? by_near : by_far ) + c->cx );
+	const float v0 = floorf( c->fy * y0 * ( y0 >= 0 ? by_far : by_near ) + c->cy );
+	const float v1 = ceilf( c->fy * y1 * ( y1 >= 0 ? by_near : by_far ) + c->cy );
+	window out = { .meets = u1 >= 0 && v1 >= 0 && u0 <= (float)right && v0 <= (float)bottom,
+		.inside = u0 >= 0 && v0 >= 0 && u1 <= (float)right && v1 <= (float)bottom,
+		.least = INFINITY };
+	if ( !out.meets )
+	{
+		return out;
+	}
+	uint32_t left = (uint32_t)clamped( u0, right ), top = (uint32_t)clamped( v0, bottom );
+	uint32_t last_u = (uint32_t)clamped( u1, right ), last_v = (uint32_t)clamped( v1, bottom );
+	uint32_t level = 0;
+	while ( last_u - left > 2 || last_v - top > 2 )
+	{
+		++level;
+		left >>= 1;
+		top >>= 1;
+		last_u >>= 1;
+		last_v >>= 1;
+	}
+	const uint32_t width = view->width[level];
+	for ( uint32_t v = top; v <= last_v; ++v )
+	{
+		for ( uint32_t u = left; u <= last_u; ++u )
+		{
+			const float least = view->least[level][(size_t)v * width + u],
+						greatest = view->greatest[level][(size_t)v * width + u];
+			out.least = least < out.least ? least : out.least;
+			out.greatest = greatest > out.greatest ? greatest : out.greatest;
+		}
+	}
+	return out;
+}
+
+/// Rounding: centres are off by a few units of floats of their size, and so are the depths of the picture.
+static inline float slack( float far )
+{
+	return 4e-6f * far;
+}
+
+static judgement judge( const clearer* c, ball at, float radius )
+{
+	const float near = at.z - radius, far = at.z + radius;
+	if ( far <= 0 )
+	{
+		return NONE;
+	}
+	if ( near <= 0.5f * c->edge )
+	{
+		return SOME;
+	}
+	const window seen = look( c, at, radius, near, far );
+	// of the voxel that is nearest the far side is behind `near` by its own diameter
+	if ( !seen.meets || seen.greatest <= near + 2 * c->radius[CUBES - 1] + c->margin )
+	{
+		return NONE;
+	}
+	return seen.inside && seen.least > far + c->margin + slack( far ) && far <= (float)c->view->sure_depth ? ALL : SOME;
+}
+
+/// Does the ray of a pixel go through the ball inside a voxel, and end behind it?
+static bool is_passed( const clearer* c, ball at, float behind )
+{
+	const lwi_view* view = c->view;
+	const float u = c->fx * at.x / at.z + c->cx, v = c->fy * at.y / at.z + c->cy;
+	const float most = 0.25f * c->edge * c->edge * 0.998f;
+	if ( view->rays == NULL )
+	{
+		// of an image: the pixel that is nearest. Across z it is no nearer than across the ray
+		const float dx = at.z * ( rintf( u ) - u ) / c->fx, dy = at.z * ( rintf( v ) - v ) / c->fy;
+		return dx * dx + dy * dy <= most;
+	}
+	const int right = (int)view->width[0] - 1, bottom = (int)view->height[0] - 1;
+	const int u0 = clamped( u - 0.5f, right ), u1 = clamped( u + 1.5f, right );
+	const int v0 = clamped( v - 0.5f, bottom ), v1 = clamped( v + 1.5f, bottom );
+	for ( int row = v0; row <= v1; ++row )
+	{
+		for ( int column = u0; column <= u1; ++column )
+		{
+			const size_t pixel = (size_t)row * view->width[0] + (size_t)column;
+			const float* q = view->rays[pixel];
+			if ( !( view->greatest[0][pixel] > behind ) )
+			{
+				continue;
+			}
+			const float x = at.y * q[2] - at.z * q[1], y = at.z * q[0] - at.x * q[2], z = at.x * q[1] - at.y * q[0];
+			if ( x * x + y * y + z * z <= most * ( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] ) )
+			{
+				return true;
+			}
+		}
+	}
+	return false;
+}
+
+static bool is_free( const clearer* c, ball at )
+{
+	const float radius = c->radius[CUBES - 1], near = at.z - radius, far = at.z + radius;
+	if ( near <= 0.5f * c->edge )
+	{
+		return false;
+	}
+	const window seen = look( c, at, radius, near, far );
+	const float behind = far + c->margin + slack( far );
+	return seen.inside && seen.least > behind && ( far <= (float)c->view->sure_depth || is_passed( c, at, behind ) );
+}
+
+static inline ball moved( ball at, ball by )
+{
+	return ( ball ){ at.x + by.x, at.y + by.y, at.z + by.z };
+}
+
+/// The voxels of a word that are free, of those asked for: an octree of three levels.
+static uint64_t free_bits( const clearer* c, ball middle, uint64_t asked )
+{
+	const judgement word = judge( c, middle, c->radius[0] );
+	if ( word != SOME )
+	{
+		return word == ALL ? asked : 0;
+	}
+	uint64_t found = 0;
+	for ( uint32_t i = 0; i < 8; ++i )
+	{
+		const uint64_t byte = asked >> ( 8 * i ) & 0xff;
+		if ( byte == 0 )
+		{
+			continue;
+		}
+		const ball at = moved( middle, c->step[1][i] );
+		// a few voxels are looked up at once
+		const judgement all = lwi_bits( byte ) < 3 ? SOME : judge( c, at, c->radius[1] );
+		uint64_t free = all == ALL ? byte : 0;
+		for ( uint64_t left = all == SOME ? byte : 0; left != 0; left &= left - 1 )
+		{
+			const uint32_t k = lwi_lowest( left );
+			free |= (uint64_t)is_free( c, moved( at, c->step[2][k] ) ) << k;
+		}
+		found |= free << ( 8 * i );
+	}
+	return found;
+}
+
+/// Occupied voxels that an earlier frame has hit last.
+static uint64_t older_bits( const clearer* c, const lwi_block* block, uint32_t w, uint64_t bits )
+{
+	uint64_t older = 0;
+	for ( ; bits != 0; bits &= bits - 1 )
+	{
+		const uint32_t bit = lwi_lowest( bits );
+		older |= (uint64_t)( block->stamp[w << 6 | bit] < c->stamp ) << bit;
+	}
+	return older;
+}
+
+static void set_free( clearer* c, lwi_chunk* chunk, lwi_block* block, uint32_t w, uint64_t bits )
+{
+	const uint64_t cleared = bits & block->occupied[w],
+				   uncovered = c->cloud->def.unseen_blocked ? bits & ~block->seen[w] : 0;
+	block->occupied[w] &= ~cleared;
+	block->seen[w] |= uncovered;
+	c->report->cleared += lwi_bits( cleared );
+	c->report->uncovered += lwi_bits( uncovered );
+	chunk->occupied_changed = chunk->occupied_changed || cleared != 0;
+	chunk->unseen_changed = chunk->unseen_changed || uncovered != 0;
+	chunk->untidy = chunk->untidy || ( cleared | uncovered ) != 0;
+}
+
+static ball to_view( const lwi_view* view, lw_vec3 p )
+{
+	const lw_vec3 q = lwi_transform( &view->view_from_world, p );
+	return ( ball ){ (float)q.x, (float)q.y, (float)q.z };
+}
+
+static lw_vec3 middle_of( const lw_cloud* cloud, const int32_t corner[3], int edge )
+{
+	const double half = 0.5 * edge * cloud->def.resolution;
+	return lwi_v3( lwi_voxel_low( cloud, 0, corner[0] ) + half, lwi_voxel_low( cloud, 1, corner[1] ) + half,
+		lwi_voxel_low( cloud, 2, corner[2] ) + half );
+}
+
+/// How many voxels of a cube are in the box.
+static uint32_t count_in_box( const lw_cloud* cloud, const int32_t corner[3], int32_t edge )
+{
+	uint32_t count = 1;
+	for ( int k = 0; k < 3; ++k )
+	{
+		const int32_t low = corner[k] > cloud->low[k] ? corner[k] : cloud->low[k];
+		const int32_t high = corner[k] + edge < cloud->high[k] ? corner[k] + edge : cloud->high[k];
+		count *= high > low ? (uint32_t)( high - low ) : 0;
+	}
+	return count;
+}
+
+static void clear_block( clearer* c, uint32_t chunk_index, uint32_t b )
+{
+	lw_cloud* cloud = c->cloud;
+	lwi_chunk* chunk = lwi_chunk_at( cloud, chunk_index );
+	const uint32_t is = chunk->blocks[b];
+	if ( is == LWI_ALL_FREE || ( is == LWI_ALL_UNSEEN && !cloud->def.unseen_blocked ) )
+	{
+		return;
+	}
+	const lwi_block* known = lwi_is_made( is ) ? lwi_block_at( cloud, is ) : NULL;
+	uint64_t asked[LWI_BLOCK_WORDS], any = known == NULL;
+	for ( uint32_t w = 0; known != NULL && w < LWI_BLOCK_WORDS; ++w )
+	{
+		const uint64_t hit = known->frame == cloud->frame ? known->hit[w] : 0;
+		asked[w] = ( known->occupied[w] & ~hit ) | ( cloud->def.unseen_blocked ? ~known->seen[w] : 0 );
+		any |= asked[w];
+	}
+	if ( any == 0 )
+	{
+		return;
+	}
+	int32_t corner[3];
+	lwi_block_corner( cloud, chunk->place, b, corner );
+	const ball middle = to_view( c->view, middle_of( cloud, corner, LWI_BLOCK_EDGE ) );
+	const judgement all = judge( c, middle, (float)c->block_radius );
+	if ( all == NONE )
+	{
+		return;
+	}
+	if ( all == ALL && known == NULL )
+	{
+		c->report->uncovered += count_in_box( cloud, corner, LWI_BLOCK_EDGE );
+		chunk->blocks[b] = LWI_ALL_FREE;
+		chunk->unseen_changed = chunk->untidy = true;
+		return;
+	}
+	const uint32_t index = lwi_block_make( cloud, chunk_index, b );
+	if ( index == LW_INVALID_INDEX )
+	{
+		return; // no room: it stays unseen
+	}
+	lwi_block* block = lwi_block_at( cloud, index );
+	chunk->untidy = chunk->untidy || known == NULL; // it may stay unseen
+	for ( uint32_t w = 0; w < LWI_BLOCK_WORDS; ++w )
+	{
+		const uint64_t wanted = known != NULL ? asked[w] : ~block->seen[w];
+		uint64_t bits = wanted == 0 || all == ALL ? wanted : free_bits( c, moved( middle, c->step[0][w] ), wanted );
+		bits = ( bits & ~block->occupied[w] ) | older_bits( c, block, w, bits & block->occupied[w] );
+		if ( bits != 0 )
+		{
+			set_free( c, chunk, block, w, bits );
+		}
+	}
+}
+
+static void clear_chunk( clearer* c, size_t place )
+{
+	lw_cloud* cloud = c->cloud;
+	uint32_t is = cloud->table[place];
+	if ( is == LWI_ALL_FREE || ( is == LWI_ALL_UNSEEN && !cloud->def.unseen_blocked ) )
+	{
+		return;
+	}
+	uint32_t at[3];
+	lwi_table_chunk( cloud, place, at );
+	const int32_t corner[3] = { (int32_t)at[0] * LWI_CHUNK_EDGE, (int32_t)at[1] * LWI_CHUNK_EDGE,
+		(int32_t)at[2] * LWI_CHUNK_EDGE };
+	const judgement all = judge( c, to_view( c->view, middle_of( cloud, corner, LWI_CHUNK_EDGE ) ), (float)c->chunk_radius );
+	if ( all == NONE )
+	{
+		return;
+	}
+	if ( all == ALL && is == LWI_ALL_UNSEEN )
+	{
+		c->report->uncovered += count_in_box( cloud, corner, LWI_CHUNK_EDGE );
+		cloud->table[place] = LWI_ALL_FREE;
+		cloud->far_changed = true;
+		return;
+	}
+	is = lwi_chunk_make( cloud, place );
+	for ( uint32_t b = 0; is != LW_INVALID_INDEX && b < LWI_CHUNK_BLOCKS; ++b )
+	{
+		clear_block( c, is, b );
+	}
+}
+
+/// The chunks around all that a picture saw.
+static void reach_of( const clearer* c, uint32_t first[3], uint32_t last[3] )
+{
+	const lw_cloud* cloud = c->cloud;
+	const lwi_view* view = c->view;
+	const lw_transform* m = &view->view_from_world;
+	const double depth = (double)view->greatest[view->levels - 1][0];
+	double low[3], high[3];
+	for ( int k = 0; k < 3; ++k )
+	{
+		low[k] = high[k] = -( m->r[0][k] * m->t[0] + m->r[1][k] * m->t[1] + m->r[2][k] * m->t[2] );
+	}
+	for ( int i = 0; i < 4; ++i )
+	{
+		const double u = i % 2 == 0 ? -1.0 : view->width[0], v = i / 2 == 0 ? -1.0 : view->height[0];
+		const lw_vec3 q = lwi_v3( depth * ( u - view->cx ) / view->fx, depth * ( v - view->cy ) / view->fy, depth );
+		const lw_vec3 p = lwi_untransform( m, q );
+		const double w[3] = { p.x, p.y, p.z };
+		for ( int k = 0; k < 3; ++k )
+		{
+			low[k] = lwi_smaller( low[k], w[k] );
+			high[k] = lwi_larger( high[k], w[k] );
+		}
+	}
+	for ( int k = 0; k < 3; ++k )
+	{
+		const double most = cloud->size[k] - 1.0, edge = LWI_CHUNK_EDGE;
+		first[k] = (uint32_t)lwi_clamp( floor( ( low[k] * cloud->inverse - cloud->first[k] ) / edge ) - 1, 0, most );
+		last[k] = (uint32_t)lwi_clamp( floor( ( high[k] * cloud->inverse - cloud->first[k] ) / edge ) + 1, 0, most );
+	}
+}
+
+static clearer begin_clear( lw_cloud* cloud, const lwi_view* view, uint32_t stamp, lw_cloud_report* report )
+{
+	const double edge = cloud->def.resolution, half = 0.5 * sqrt( 3 ) * edge * ( 1 + 1e-6 );
+	clearer c = { .cloud = cloud,
+		.view = view,
+		.report = report,
+		.stamp = stamp,
+		.fx = (float)view->fx,
+		.fy = (float)view->fy,
+		.cx = (float)view->cx,
+		.cy = (float)view->cy,
+		.edge = (float)edge,
+		.margin = (float)cloud->def.clear_margin,
+		.radius = { (float)( 4 * half ), (float)( 2 * half ), (float)half },
+		.chunk_radius = LWI_CHUNK_EDGE * half,
+		.block_radius = LWI_BLOCK_EDGE * half };
+	for ( int level = 0; level < CUBES; ++level )
+	{
+		const double by = edge * ( level == 0 ? 2 : level == 1 ? 1 : 0.5 );
+		for ( uint32_t i = 0; i < 8; ++i )
+		{
+			const lw_vec3 step =
+				lwi_rotate( &view->view_from_world, lwi_v3( i & 1 ? by : -by, i & 2 ? by : -by, i & 4 ? by : -by ) );
+			c.step[level][i] = ( ball ){ (float)step.x, (float)step.y, (float)step.z };
+		}
+	}
+	return c;
+}
+
+void lwi_cloud_clear_view( lw_cloud* cloud, const lwi_view* view, uint32_t stamp, lw_cloud_report* report )
+{
+	clearer c = begin_clear( cloud, view, stamp, report );
+	if ( !( view->greatest[view->levels - 1][0] > 0 ) )
+	{
+		return; // nothing was measured
+	}
+	if ( !cloud->def.unseen_blocked )
+	{
+		for ( uint32_t i = 0; i < cloud->chunks.count; ++i )
+		{
+			if ( lwi_chunk_at( cloud, i )->place != LW_INVALID_INDEX )
+			{
+				clear_chunk( &c, lwi_chunk_at( cloud, i )->place );
+			}
+		}
+		return;
+	}
+	uint32_t first[3], last[3], at[3];
+	reach_of( &c, first, last );
+	for ( at[2] = first[2]; at[2] <= last[2]; ++at[2] )
+	{
+		for ( at[1] = first[1]; at[1] <= last[1]; ++at[1] )
+		{
+			for ( at[0] = first[0]; at[0] <= last[0]; ++at[0] )
+			{
+				clear_chunk( &c, lwi_table_place( cloud, at ) );
+			}
+		}
+	}
+}

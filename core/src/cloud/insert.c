@@ -1,0 +1,553 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Frames of a cloud: first all that could refuse one, then its points, then its rays.
+#include "cloud/cloud.h"
+#include "base/math_inline.h"
+#include "distance/distance.h"
+
+#include <string.h>
+
+enum
+{
+	FRAME_COOKIE = 0x6c774672, // "lwFr"
+	MOST_SIDE = 8192,          ///< pixels of an image
+	MOST_POINTS = 1 << 26
+};
+
+lw_cloud_frame lw_cloud_frame_default( void )
+{
+	return ( lw_cloud_frame ){ .world_from_sensor = lw_transform_identity(),
+		.far = INFINITY,
+		.clears = true,
+		.depth = { .scale = 1 },
+		.cookie = FRAME_COOKIE };
+}
+
+// ---- reasons to refuse -----------------------------------------------------------------------------------------------
+
+static lw_status check_points( const lw_cloud_points* points, lw_diag* diag )
+{
+	const size_t size = points->is_double ? sizeof( double ) : sizeof( float );
+	if ( (uint64_t)points->width * points->height > MOST_POINTS )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "%u x %u points; a frame has at most %d",
+			points->width, points->height, (int)MOST_POINTS );
+	}
+	for ( uint32_t k = 0; k < 3; ++k )
+	{
+		if ( points->point_step < size || points->offset[k] > points->point_step - size )
+		{
+			return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, k,
+				"coordinate %u of points is at byte %zu, beyond their %zu bytes: give offsets and point_step in bytes", k,
+				points->offset[k], points->point_step );
+		}
+	}
+	if ( points->height > 1 && points->row_step / points->point_step < points->width )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"rows of %u points of %zu bytes do not fit into row_step %zu", points->width, points->point_step,
+			points->row_step );
+	}
+	return LW_OK;
+}
+
+static lw_status check_depth( const lw_cloud_depth* depth, lw_diag* diag )
+{
+	const size_t size = depth->is_float ? sizeof( float ) : sizeof( uint16_t );
+	if ( depth->width > MOST_SIDE || depth->height > MOST_SIDE || depth->row_step / size < depth->width )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"a depth image of %u x %u pixels with rows of %zu bytes; give at most %d a side, and rows of at least %zu bytes",
+			depth->width, depth->height, depth->row_step, (int)MOST_SIDE, depth->width * size );
+	}
+	const bool lens = depth->fx > 0 && depth->fx < INFINITY && depth->fy > 0 && depth->fy < INFINITY &&
+					  isfinite( depth->cx ) && isfinite( depth->cy );
+	if ( !lens || !( depth->scale > 0 && depth->scale < INFINITY ) )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"fx %g, fy %g, cx %g, cy %g, scale %g: give focal lengths and a scale above 0, all finite", depth->fx, depth->fy,
+			depth->cx, depth->cy, depth->scale );
+	}
+	return LW_OK;
+}
+
+static lw_status check_frame( const lw_cloud* cloud, const lw_cloud_frame* frame, lw_diag* diag )
+{
+	if ( cloud == NULL || frame == NULL || frame->cookie != FRAME_COOKIE )
+	{
+		return cloud == NULL ? lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX, "the cloud is NULL" )
+							 : lwi_fail( diag, LW_ERROR_INVALID_DEF, LW_INVALID_INDEX,
+								   "make the frame with lw_cloud_frame_default()" );
+	}
+	if ( frame->sensor >= LW_CLOUD_SENSORS || !isfinite( frame->stamp ) )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"sensor %u, stamp %g; give a sensor below %d and a finite stamp", frame->sensor, frame->stamp,
+			LW_CLOUD_SENSORS );
+	}
+	if ( !lw_transform_is_valid( &frame->world_from_sensor ) )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"world_from_sensor is not finite or not a rotation: the frame is refused; normalise its quaternion" );
+	}
+	if ( !( frame->near >= 0 && frame->near < frame->far ) || ( frame->trust_far && !( frame->far < INFINITY ) ) )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"near is %g, far %g; give 0 <= near < far, and a finite far if it is trusted", frame->near, frame->far );
+	}
+	if ( ( frame->points.data != NULL && frame->depth.data != NULL ) || ( frame->robot != NULL && frame->state == NULL ) )
+	{
+		return lwi_fail( diag, LW_ERROR_INVALID_ARGUMENT, LW_INVALID_INDEX,
+			"give points or a depth image, not both, and with a robot its state" );
+	}
+	if ( frame->robot != NULL && lw_robot_body_count( frame->robot ) > LWI_MOST_BODIES )
+	{
+		return lwi_fail( diag, LW_ERROR_UNSUPPORTED, LW_INVALID_INDEX,
+			"the robot has %u bodies; its own body is found of up to %d", lw_robot_body_count( frame->robot ),
+			(int)LWI_MOST_BODIES );
+	}
+	return frame->points.data != NULL  ? check_points( &frame->points, diag )
+		   : frame->depth.data != NULL ? check_depth( &frame->depth, diag )
+									   : LW_OK;
+}
+
+/// Angle between two orientations, radians.
+static double angle_between( const lw_transform* a, const lw_transform* b )
+{
+	double sum = 0;
+	for ( int i = 0; i < 9; ++i )
+	{
+		const double d = a->r[i / 3][i % 3] - b->r[i / 3][i % 3];
+		sum += d * d; // in all 8 sin^2 of half the angle
+	}
+	return 2 * asin( lwi_smaller( sqrt( sum / 8 ), 1 ) );
+}
+
+/// LW_ERROR_STALE, counted, of a frame that is late or whose sensor has jumped.
+static lw_status check_order( lw_cloud* cloud, const lw_cloud_frame* frame, lw_diag* diag )
+{
+	const lwi_sensor* sensor = &cloud->sensors[frame->sensor];
+	if ( !( frame->stamp > sensor->stamp ) || frame->stamp < cloud->begin )
+	{
+		++cloud->late;
+		return lwi_fail( diag, LW_ERROR_STALE, frame->sensor,
+			"a frame of sensor %u at %.6f s, which had one at %.6f s: it is late or out of order, and refused",
+			frame->sensor, frame->stamp, sensor->stamp );
+	}
+	if ( !sensor->has_pose )
+	{
+		return LW_OK;
+	}
+	const double moved = lwi_distance( lwi_load( frame->world_from_sensor.t ), lwi_load( sensor->pose.t ) );
+	const double turned = angle_between( &frame->world_from_sensor, &sensor->pose );
+	if ( moved > cloud->def.jump_distance || turned > cloud->def.jump_angle )
+	{
+		++cloud->jumped;
+		return lwi_fail( diag, LW_ERROR_STALE, frame->sensor,
+			"sensor %u has jumped by %.3f m and %.3f rad: its frames are refused until lw_cloud_allow_jump(), or until it is back",
+			frame->sensor, moved, turned );
+	}
+	return LW_OK;
+}
+
+void lw_cloud_allow_jump( lw_cloud* cloud, uint32_t sensor )
+{
+	if ( sensor < LW_CLOUD_SENSORS )
+	{
+		cloud->sensors[sensor].has_pose = false;
+	}
+}
+
+// ---- points into voxels ----------------------------------------------------------------------------------------------
+
+typedef struct inserter
+{
+	lw_cloud* cloud;
+	lw_cloud_report* report;
+	const lwi_own_body* bodies;
+	uint32_t body_count;
+	// the block of the last point
+	uint32_t at[3];
+	lwi_body_set near;
+	bool is_near;
+	lwi_chunk* chunk;
+	lwi_block* block; ///< NULL: not made yet
+	bool is_lost;     ///< it could not be made
+} inserter;
+
+static inserter begin_insert( lw_cloud* cloud, const lwi_own_body* bodies, uint32_t body_count, lw_cloud_report* report )
+{
+	return ( inserter ){ .cloud = cloud,
+		.report = report,
+		.bodies = bodies,
+		.body_count = body_count,
+		.at = { LW_INVALID_INDEX, LW_INVALID_INDEX, LW_INVALID_INDEX } };
+}
+
+static void enter_block( inserter* in, const uint32_t at[3] )
+{
+	memcpy( in->at, at, sizeof( in->at ) );
+	in->block = NULL;
+	in->is_lost = in->is_near = false;
+	if ( in->body_count > 0 )
+	{
+		const double edge = LWI_BLOCK_EDGE * in->cloud->def.resolution;
+		double center[3];
+		for ( int k = 0; k < 3; ++k )
+		{
+			center[k] = lwi_voxel_low( in->cloud, k, (int32_t)( at[k] * LWI_BLOCK_EDGE ) ) + 0.5 * edge;
+		}
+		in->is_near = lwi_own_bodies_near( in->bodies, in->body_count, center, edge, &in->near );
+	}
+}
+
+static void make_block( inserter* in )
+{
+	lw_cloud* cloud = in->cloud;
+	const uint32_t chunk_at[3] = { in->at[0] / 4, in->at[1] / 4, in->at[2] / 4 };
+	const uint32_t chunk = lwi_chunk_make( cloud, lwi_table_place( cloud, chunk_at ) );
+	const uint32_t block = chunk == LW_INVALID_INDEX
+							   ? chunk
+							   : lwi_block_make( cloud, chunk, lwi_morton( in->at[0] % 4, in->at[1] % 4, in->at[2] % 4 ) );
+	in->is_lost = block == LW_INVALID_INDEX;
+	if ( in->is_lost )
+	{
+		return;
+	}
+	in->chunk = lwi_chunk_at( cloud, chunk );
+	in->block = lwi_block_at( cloud, block );
+	if ( in->block->frame != cloud->frame )
+	{
+		in->block->frame = cloud->frame;
+		memset( in->block->hit, 0, sizeof( in->block->hit ) );
+	}
+}
+
+static inline void insert_point( inserter* in, double x, double y, double z )
+{
+	const lw_cloud* cloud = in->cloud;
+	const double p[3] = { x, y, z };
+	uint32_t v[3], at[3];
+	for ( int k = 0; k < 3; ++k )
+	{
+		const double voxel = floor( p[k] * cloud->inverse ) - cloud->first[k];
+		if ( !( voxel >= cloud->low[k] && voxel < cloud->high[k] ) )
+		{
+			++in->report->outside;
+			return;
+		}
+		v[k] = (uint32_t)voxel;
+		at[k] = v[k] / LWI_BLOCK_EDGE;
+	}
+	if ( at[0] != in->at[0] || at[1] != in->at[1] || at[2] != in->at[2] )
+	{
+		enter_block( in, at );
+	}
+	if ( in->is_near && lwi_own_body_has( in->cloud, in->bodies, &in->near, lwi_v3( x, y, z ) ) )
+	{
+		++in->report->own;
+		return;
+	}
+	if ( in->block == NULL && !in->is_lost )
+	{
+		make_block( in );
+	}
+	if ( in->is_lost )
+	{
+		++in->report->lost;
+		return;
+	}
+	++in->report->inserted;
+	lwi_block* block = in->block;
+	const uint32_t m = lwi_morton( v[0] % 8, v[1] % 8, v[2] % 8 ), w = m >> 6;
+	const uint64_t bit = (uint64_t)1 << ( m & 63 );
+	if ( ( block->hit[w] & bit ) != 0 )
+	{
+		return;
+	}
+	block->hit[w] |= bit;
+	block->stamp[m] = block->stamp[m] > cloud->now ? block->stamp[m] : cloud->now;
+	if ( ( block->occupied[w] & bit ) == 0 )
+	{
+		++in->report->added;
+		in->chunk->occupied_changed = true;
+		in->chunk->unseen_changed = in->chunk->unseen_changed || ( block->seen[w] & bit ) == 0;
+		block->occupied[w] |= bit;
+		block->seen[w] |= bit;
+	}
+}
+
+// ---- the two kinds of frames -----------------------------------------------------------------------------------------
+
+static inline float load_float( const unsigned char* from, bool swapped )
+{
+	uint32_t bits;
+	float value;
+	memcpy( &bits, from, sizeof( bits ) );
+	bits = swapped ? bits >> 24 | ( bits >> 8 & 0xff00u ) | ( bits << 8 & 0xff0000u ) | bits << 24 : bits;
+	memcpy( &value, &bits, sizeof( value ) );
+	return value;
+}
+
+static double load_double( const unsigned char* from, bool swapped )
+{
+	unsigned char bytes[sizeof( double )];
+	double value;
+	for ( size_t i = 0; i < sizeof( bytes ); ++i )
+	{
+		bytes[i] = from[swapped ? sizeof( bytes ) - 1 - i : i];
+	}
+	memcpy( &value, bytes, sizeof( value ) );
+	return value;
+}
+
+/// Inserts the points and notes their rays. @return how many rays there are
+static uint32_t insert_points( inserter* in, const lw_cloud_frame* frame, float ( *rays )[3] )
+{
+	const lw_cloud_points* points = &frame->points;
+	const lw_transform* pose = &frame->world_from_sensor;
+	const double near_sq = frame->near * frame->near, far_sq = frame->far * frame->far;
+	uint32_t count = 0;
+	for ( uint32_t i = 0; i < points->width * points->height; ++i )
+	{
+		const unsigned char* at = (const unsigned char*)points->data + i / points->width * points->row_step +
+								  i % points->width * points->point_step;
+		double c[3];
+		for ( int k = 0; k < 3; ++k )
+		{
+			const unsigned char* from = at + points->offset[k];
+			c[k] =
+				points->is_double ? load_double( from, points->is_swapped ) : (double)load_float( from, points->is_swapped );
+		}
+		if ( !isfinite( c[0] ) || !isfinite( c[1] ) || !isfinite( c[2] ) )
+		{
+			++in->report->not_measured;
+			continue;
+		}
+		lw_vec3 ray = points->in_world ? lwi_sub( lwi_load( c ), lwi_load( pose->t ) ) : lwi_rotate( pose, lwi_load( c ) );
+		const double length_sq = lwi_length_sq( ray );
+		if ( !( length_sq >= near_sq && length_sq <= far_sq ) || length_sq == 0 )
+		{
+			++in->report->out_of_range;
+			if ( !frame->trust_far || !( length_sq > far_sq ) || !( length_sq < INFINITY ) )
+			{
+				continue;
+			}
+			ray = lwi_scale( frame->far / sqrt( length_sq ), ray );
+		}
+		else if ( points->in_world )
+		{
+			insert_point( in, c[0], c[1], c[2] );
+		}
+		else
+		{
+			insert_point( in, ray.x + pose->t[0], ray.y + pose->t[1], ray.z + pose->t[2] );
+		}
+		if ( rays != NULL )
+		{
+			rays[count][0] = (float)ray.x;
+			rays[count][1] = (float)ray.y;
+			rays[count][2] = (float)ray.z;
+			++count;
+		}
+	}
+	return count;
+}
+
+/// The depth of a pixel for its ray, at most `far`; 0 if it says nothing. Counts pixels without a point.
+static inline float depth_of_ray( const lw_cloud_frame* frame, double depth, bool* has_point, lw_cloud_report* report )
+{
+	*has_point = false;
+	if ( isnan( depth ) || !( depth > 0 ) || ( depth == INFINITY && !frame->trust_far ) )
+	{
+		++report->not_measured;
+		return 0;
+	}
+	if ( depth < frame->near || depth > frame->far )
+	{
+		++report->out_of_range;
+		return depth > frame->far && frame->trust_far ? (float)frame->far : 0;
+	}
+	*has_point = true;
+	return (float)depth;
+}
+
+/// Inserts the points of a depth image and notes the depths of its rays. @param columns [width][3] room
+static void insert_depth( inserter* in, const lw_cloud_frame* frame, double ( *columns )[3], float* depths )
+{
+	const lw_cloud_depth* depth = &frame->depth;
+	const lw_transform* pose = &frame->world_from_sensor;
+	for ( uint32_t u = 0; u < depth->width; ++u )
+	{
+		for ( int k = 0; k < 3; ++k )
+		{
+			columns[u][k] = pose->r[k][0] * ( ( u - depth->cx ) / depth->fx );
+		}
+	}
+	for ( uint32_t v = 0; v < depth->height; ++v )
+	{
+		const unsigned char* row = (const unsigned char*)depth->data + v * depth->row_step;
+		double along[3];
+		for ( int k = 0; k < 3; ++k )
+		{
+			along[k] = pose->r[k][1] * ( ( v - depth->cy ) / depth->fy ) + pose->r[k][2];
+		}
+		for ( uint32_t u = 0; u < depth->width; ++u )
+		{
+			double z;
+			if ( depth->is_float )
+			{
+				z = depth->scale * (double)load_float( row + u * sizeof( float ), depth->is_swapped );
+			}
+			else
+			{
+				uint16_t raw;
+				memcpy( &raw, row + u * sizeof( raw ), sizeof( raw ) );
+				z = depth->scale * ( depth->is_swapped ? ( raw >> 8 | ( raw & 0xff ) << 8 ) : raw );
+			}
+			bool has_point;
+			const float ray = depth_of_ray( frame, z, &has_point, in->report );
+			if ( depths != NULL )
+			{
+				depths[(size_t)v * depth->width + u] = ray;
+			}
+			if ( has_point )
+			{
+				insert_point( in, pose->t[0] + z * ( along[0] + columns[u][0] ),
+					pose->t[1] + z * ( along[1] + columns[u][1] ), pose->t[2] + z * ( along[2] + columns[u][2] ) );
+			}
+		}
+	}
+}
+
+// ---- a frame ---------------------------------------------------------------------------------------------------------
+
+/// What a frame needs before anything changes.
+typedef struct prepared
+{
+	lw_transform pose; ///< orthonormal
+	lwi_own_body* bodies;
+	uint32_t body_count;
+	bool clears;
+	float ( *rays )[3];
+	double ( *columns )[3];
+	lwi_view view;
+} prepared;
+
+static bool make_room( lw_cloud* cloud, const lw_cloud_frame* frame, prepared* out )
+{
+	if ( frame->depth.data != NULL )
+	{
+		lwi_array* columns = &cloud->scratch[0];
+		out->clears = out->clears && frame->depth.width > 0 && frame->depth.height > 0;
+		if ( !lwi_array_reserve( columns, &cloud->allocator, 1, frame->depth.width * sizeof( double[3] ) ) ||
+			 ( out->clears && !lwi_view_begin( cloud, frame->depth.width, frame->depth.height, false, &out->view ) ) )
+		{
+			return false;
+		}
+		out->columns = columns->data;
+		return true;
+	}
+	const uint32_t count = frame->points.data != NULL ? frame->points.width * frame->points.height : 0;
+	out->clears = out->clears && count > 0;
+	if ( out->clears )
+	{
+		if ( !lwi_array_reserve( &cloud->scratch[0], &cloud->allocator, 1, count * sizeof( float[3] ) ) ||
+			 !lwi_cloud_points_room( cloud, count ) )
+		{
+			return false;
+		}
+		out->rays = cloud->scratch[0].data;
+	}
+	return true;
+}
+
+static lw_status prepare( lw_cloud* cloud, const lw_cloud_frame* frame, lw_diag* diag, prepared* out )
+{
+	out->pose = lwi_orthonormal( &frame->world_from_sensor );
+	out->clears = frame->clears;
+	if ( !make_room( cloud, frame, out ) )
+	{
+		return lwi_out_of_memory( diag, "a frame" );
+	}
+	if ( frame->robot == NULL )
+	{
+		return LW_OK;
+	}
+	out->body_count = lw_robot_body_count( frame->robot );
+	lwi_array* bodies = &cloud->scratch[2];
+	if ( !lwi_array_reserve( bodies, &cloud->allocator, 1, out->body_count * sizeof( lwi_own_body ) ) )
+	{
+		return lwi_out_of_memory( diag, "a frame" );
+	}
+	out->bodies = bodies->data;
+	return lwi_own_bodies_pose( cloud, frame->robot, frame->state, diag, out->bodies );
+}
+
+static void view_of_depth( const lw_cloud* cloud, const lw_cloud_depth* depth, const lw_transform* pose, lwi_view* view )
+{
+	const lw_transform identity = lw_transform_identity();
+	view->view_from_world = lwi_relative( pose, &identity );
+	view->fx = depth->fx;
+	view->fy = depth->fy;
+	view->cx = depth->cx;
+	view->cy = depth->cy;
+	// the nearest pixel's ray is half a pixel off along both axes, at most
+	view->sure_depth = cloud->def.resolution / hypot( 1 / depth->fx, 1 / depth->fy ) * ( 1 - 1e-4 );
+}
+
+lw_status lw_cloud_insert( lw_cloud* cloud, const lw_cloud_frame* frame_in, lw_diag* diag, lw_cloud_report* report_out )
+{
+	lw_cloud_report unused;
+	lw_cloud_report* report = report_out != NULL ? report_out : &unused;
+	memset( report, 0, sizeof( *report ) );
+	lw_status status = check_frame( cloud, frame_in, diag );
+	status = status == LW_OK ? check_order( cloud, frame_in, diag ) : status;
+	if ( status != LW_OK )
+	{
+		return status;
+	}
+	prepared ready = { 0 };
+	status = prepare( cloud, frame_in, diag, &ready );
+	if ( status != LW_OK )
+	{
+		return status;
+	}
+	lw_cloud_frame frame = *frame_in;
+	frame.world_from_sensor = ready.pose;
+	lwi_stamp_begin( cloud, frame.stamp );
+	cloud->sensors[frame.sensor] = ( lwi_sensor ){ frame.stamp, ready.pose, true };
+	cloud->now = lwi_stamp_up( cloud, frame.stamp );
+	++cloud->frame;
+	++cloud->frames;
+	const uint32_t stamp = lwi_stamp_down( cloud, frame.stamp );
+	inserter in = begin_insert( cloud, ready.bodies, ready.body_count, report );
+	if ( frame.depth.data != NULL )
+	{
+		insert_depth( &in, &frame, ready.columns, ready.clears ? ready.view.least[0] : NULL );
+		if ( ready.clears )
+		{
+			view_of_depth( cloud, &frame.depth, &frame.world_from_sensor, &ready.view );
+			memcpy( ready.view.greatest[0], ready.view.least[0],
+				(size_t)frame.depth.width * frame.depth.height * sizeof( float ) );
+			lwi_view_finish( &ready.view );
+			lwi_cloud_clear_view( cloud, &ready.view, stamp, report );
+		}
+	}
+	else if ( frame.points.data != NULL )
+	{
+		const uint32_t rays = insert_points( &in, &frame, ready.rays );
+		lwi_cloud_clear_points( cloud, &frame.world_from_sensor, ready.rays, rays, stamp, report );
+	}
+	cloud->occupied += report->added;
+	cloud->occupied -= report->cleared;
+	lwi_cloud_tidy( cloud );
+	if ( report->lost > 0 )
+	{
+		cloud->lost += report->lost;
+		cloud->complete = false;
+		return lwi_fail( diag, LW_ERROR_OUT_OF_MEMORY, LW_INVALID_INDEX,
+			"%u points of the frame are lost: %u blocks of at most %u are in use; the cloud is incomplete: lw_cloud_clear(), and more blocks",
+			report->lost, (uint32_t)( cloud->blocks.count - cloud->free_blocks.count ), cloud->def.most_blocks );
+	}
+	return LW_OK;
+}

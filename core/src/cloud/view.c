@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a sensor saw, as pictures with pyramids of least and greatest depths. A depth image is one; points are sorted into one that fits them,
+// or into the six sides of a cube around the sensor.
+#include "cloud/cloud.h"
+#include "base/math_inline.h"
+
+#include <string.h>
+
+enum
+{
+	POINTS_PER_PIXEL = 2, ///< so that few pixels of a picture of points are empty
+	LEAST_PIXELS = 256,
+	MOST_PIXELS = 1 << 20
+};
+
+static const double WIDEST = 2.0;     ///< tangent: points farther from the middle are not in one picture
+static const double CUBE_SIDE = 1.15; ///< tangent: sides overlap, so that voxels at their edges are within one
+
+/// Pixels of all levels. A picture that is one pixel wide is halved along one side only.
+static size_t all_levels( size_t pixels )
+{
+	return 2 * pixels + 2 * LWI_VIEW_LEVELS + 8192;
+}
+
+static size_t bytes_of( size_t pixels, bool with_rays )
+{
+	return all_levels( pixels ) * 2 * sizeof( float ) + ( with_rays ? pixels * sizeof( float[3] ) : 0 );
+}
+
+/// Sets sizes and places arrays, in room that is there.
+static void place( lw_cloud* cloud, uint32_t width, uint32_t height, bool with_rays, lwi_view* view )
+{
+	float* next = cloud->scratch[1].data;
+	view->levels = 0;
+	for ( uint32_t w = width, h = height; view->levels < LWI_VIEW_LEVELS; w = ( w + 1 ) / 2, h = ( h + 1 ) / 2 )
+	{
+		const uint32_t l = view->levels++;
+		view->width[l] = w;
+		view->height[l] = h;
+		view->least[l] = next;
+		view->greatest[l] = next + (size_t)w * h;
+		next += 2 * (size_t)w * h;
+		if ( w == 1 && h == 1 )
+		{
+			break;
+		}
+	}
+	view->rays = with_rays ? (float( * )[3])next : NULL;
+}
+
+bool lwi_view_begin( lw_cloud* cloud, uint32_t width, uint32_t height, bool with_rays, lwi_view* view )
+{
+	if ( !lwi_array_reserve( &cloud->scratch[1], &cloud->allocator, 1, bytes_of( (size_t)width * height, with_rays ) ) )
+	{
+		return false;
+	}
+	place( cloud, width, height, with_rays, view );
+	return true;
+}
+
+void lwi_view_finish( lwi_view* view )
+{
+	for ( uint32_t l = 1; l < view->levels; ++l )
+	{
+		const uint32_t from_width = view->width[l - 1], from_height = view->height[l - 1];
+		for ( uint32_t v = 0; v < view->height[l]; ++v )
+		{
+			const size_t upper = (size_t)( 2 * v ) * from_width,
+						 lower = (size_t)( 2 * v + 1 < from_height ? 2 * v + 1 : 2 * v ) * from_width;
+			for ( uint32_t u = 0; u < view->width[l]; ++u )
+			{
+				const uint32_t left = 2 * u, right = left + 1 < from_width ? left + 1 : left;
+				const float* least = view->least[l - 1];
+				const float a = least[upper + left], b = least[upper + right], c = least[lower + left],
+							d = least[lower + right];
+				const float ab = a < b ? a : b, cd = c < d ? c : d;
+				view->least[l][(size_t)v * view->width[l] + u] = ab < cd ? ab : cd;
+				const float* most = view->greatest[l - 1];
+				const float e = most[upper + left], f = most[upper + right], g = most[lower + left], h = most[lower + right];
+				const float ef = e > f ? e : f, gh = g > h ? g : h;
+				view->greatest[l][(size_t)v * view->width[l] + u] = ef > gh ? ef : gh;
+			}
+		}
+	}
+}
+
+// ---- pictures of points ----------------------------------------------------------------------------------------------
+
+static size_t pixels_for( uint32_t count )
+{
+	const size_t pixels = count / POINTS_PER_PIXEL;
+	return pixels < LEAST_PIXELS ? LEAST_PIXELS : pixels > MOST_PIXELS ? MOST_PIXELS : pixels;
+}
+
+bool lwi_cloud_points_room( lw_cloud* cloud, uint32_t count )
+{
+	return lwi_array_reserve( &cloud->scratch[1], &cloud->allocator, 1, bytes_of( pixels_for( count ), true ) );
+}
+
+/// A frame at the sensor that looks along a unit vector of the world.
+static lw_transform looking( const lw_transform* world_from_sensor, lw_vec3 forward )
+{
+	const lw_vec3 helper = fabs( forward.z ) < 0.9 ? lwi_v3( 0, 0, 1 ) : lwi_v3( 1, 0, 0 );
+	lw_vec3 right = lwi_cross( forward, helper );
+	right = lwi_scale( 1 / lwi_length( right ), right );
+	const lw_vec3 down = lwi_cross( forward, right );
+	lw_transform m = {
+		.r = { { right.x, right.y, right.z }, { down.x, down.y, down.z }, { forward.x, forward.y, forward.z } } };
+	const lw_vec3 t = lwi_rotate( &m, lwi_load( world_from_sensor->t ) );
+	m.t[0] = -t.x;
+	m.t[1] = -t.y;
+	m.t[2] = -t.z;
+	return m;
+}
+
+static lw_vec3 in_view( const lwi_view* view, const float ray[3] )
+{
+	return lwi_rotate( &view->view_from_world, lwi_v3( (double)ray[0], (double)ray[1], (double)ray[2] ) );
+}
+
+/// The picture from these tangents to those: at most so many pixels, nearly square.
+static void fit( lw_cloud* cloud, lwi_view* view, const double low[2], const double high[2], size_t pixels )
+{
+	const double wide = lwi_larger( high[0] - low[0], 1e-3 ), tall = lwi_larger( high[1] - low[1], 1e-3 );
+	const double side = sqrt( wide * tall / (double)pixels );
+	const uint32_t width = (uint32_t)lwi_clamp( wide / side, 1, lwi_smaller( (double)pixels, 8192 ) );
+	const uint32_t height = (uint32_t)lwi_clamp( (double)( pixels / width ), 1, 8192 );
+	place( cloud, width, height, true, view );
+	view->fx = width / wide;
+	view->fy = height / tall;
+	view->cx = -low[0] * view->fx - 0.5;
+	view->cy = -low[1] * view->fy - 0.5;
+	view->sure_depth = 0;
+}
+
+static void fill( lwi_view* view, float ( *rays )[3], uint32_t count )
+{
+	const uint32_t width = view->width[0], height = view->height[0];
+	const size_t pixels = (size_t)width * height;
+	float( *kept )[3] = (float( * )[3])view->rays;
+	for ( size_t i = 0; i < pixels; ++i )
+	{
+		view->least[0][i] = INFINITY;
+		view->greatest[0][i] = 0;
+	}
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		const lw_vec3 q = in_view( view, rays[i] );
+		if ( !( q.z > 0 ) )
+		{
+			continue;
+		}
+		const double u = q.x / q.z * view->fx + view->cx + 0.5, v = q.y / q.z * view->fy + view->cy + 0.5;
+		if ( !( u >= 0 && u < width + 1 && v >= 0 && v < height + 1 ) )
+		{
+			continue;
+		}
+		// points on the greatest tangents are in the last pixels
+		const uint32_t column = (uint32_t)u < width ? (uint32_t)u : width - 1,
+					   row = (uint32_t)v < height ? (uint32_t)v : height - 1;
+		const size_t at = (size_t)row * width + column;
+		if ( (float)q.z < view->least[0][at] )
+		{
+			view->least[0][at] = view->greatest[0][at] = (float)q.z;
+			kept[at][0] = (float)q.x;
+			kept[at][1] = (float)q.y;
+			kept[at][2] = (float)q.z;
+		}
+	}
+}
+
+/// Tangents of all rays about the middle of them. @return false: some are too far from it for one picture
+static bool bounds_of( const lwi_view* view, float ( *rays )[3], uint32_t count, double low[2], double high[2] )
+{
+	low[0] = low[1] = INFINITY;
+	high[0] = high[1] = -INFINITY;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		const lw_vec3 q = in_view( view, rays[i] );
+		const double x = q.x / q.z, y = q.y / q.z;
+		if ( !( q.z > 0 && fabs( x ) < WIDEST && fabs( y ) < WIDEST ) )
+		{
+			return false;
+		}
+		low[0] = x < low[0] ? x : low[0];
+		high[0] = x > high[0] ? x : high[0];
+		low[1] = y < low[1] ? y : low[1];
+		high[1] = y > high[1] ? y : high[1];
+	}
+	return true;
+}
+
+static lw_vec3 middle_of( float ( *rays )[3], uint32_t count )
+{
+	lw_vec3 sum = { 0, 0, 0 };
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		const lw_vec3 ray = lwi_v3( (double)rays[i][0], (double)rays[i][1], (double)rays[i][2] );
+		const double length = lwi_length( ray );
+		sum = length > 0 ? lwi_add_scaled( sum, 1 / length, ray ) : sum;
+	}
+	return sum;
+}
+
+void lwi_cloud_clear_points( lw_cloud* cloud, const lw_transform* world_from_sensor, float ( *rays )[3], uint32_t count,
+	uint32_t stamp, lw_cloud_report* report )
+{
+	if ( rays == NULL || count == 0 )
+	{
+		return;
+	}
+	const size_t pixels = pixels_for( count );
+	const lw_vec3 middle = middle_of( rays, count );
+	const double length = lwi_length( middle );
+	double low[2], high[2];
+	lwi_view view = { 0 };
+	if ( length > 1e-3 * count )
+	{
+		view.view_from_world = looking( world_from_sensor, lwi_scale( 1 / length, middle ) );
+		if ( bounds_of( &view, rays, count, low, high ) )
+		{
+			fit( cloud, &view, low, high, pixels );
+			fill( &view, rays, count );
+			lwi_view_finish( &view );
+			lwi_cloud_clear_view( cloud, &view, stamp, report );
+			return;
+		}
+	}
+	for ( int side = 0; side < 6; ++side )
+	{
+		const double sign = side % 2 == 0 ? 1 : -1;
+		view.view_from_world = looking( world_from_sensor,
+			lwi_v3( side / 2 == 0 ? sign : 0, side / 2 == 1 ? sign : 0, side / 2 == 2 ? sign : 0 ) );
+		low[0] = low[1] = -CUBE_SIDE;
+		high[0] = high[1] = CUBE_SIDE;
+		fit( cloud, &view, low, high, pixels / 4 + 1 );
+		fill( &view, rays, count );
+		lwi_view_finish( &view );
+		lwi_cloud_clear_view( cloud, &view, stamp, report );
+	}
+}
