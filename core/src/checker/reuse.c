@@ -11,6 +11,11 @@
 
 #include <string.h>
 
+enum
+{
+	MOST_LOOKS = 1 << 20 ///< at shapes of one object: a few milliseconds. Beyond, shapes that stayed count as changed
+};
+
 // --- equal parts -----------------------------------------------------------------------------------------------------
 
 static bool same_shape( const lw_scene_shape_def* x, const lw_scene_shape_def* y )
@@ -29,17 +34,27 @@ static bool same_object( const lw_scene* x, uint32_t i, const lw_scene* y, uint3
 void lwi_match_scenes( const lw_scene* previous, const lw_scene* scene, uint32_t* source )
 {
 	uint32_t next = 0; // edits keep the order of the shapes that stay
+	uint32_t looks = MOST_LOOKS;
+	const uint32_t count = previous != NULL ? previous->shape_count : 0;
 	for ( uint32_t i = 0; scene != NULL && i < scene->shape_count; ++i )
 	{
 		source[i] = LW_INVALID_INDEX;
 		uint32_t at = next;
-		while ( previous != NULL && at < previous->shape_count && !same_object( previous, at, scene, i ) )
+		while ( at < count && !same_object( previous, at, scene, i ) )
 		{
 			++at; // removed, or else this one is new: then the next starts where this one did
 		}
-		if ( previous != NULL && at < previous->shape_count )
+		// of an object with many shapes some may have come, gone or changed, as in a live cloud
+		const uint32_t object = at < count ? previous->shapes[at].object : 0;
+		while ( looks > 0 && at < count && previous->shapes[at].object == object &&
+				!same_shape( &previous->shapes[at], &scene->shapes[i] ) )
 		{
-			source[i] = same_shape( &previous->shapes[at], &scene->shapes[i] ) ? at : LW_INVALID_INDEX;
+			++at;
+			--looks;
+		}
+		if ( at < count && same_object( previous, at, scene, i ) && same_shape( &previous->shapes[at], &scene->shapes[i] ) )
+		{
+			source[i] = at;
 			next = at + 1;
 		}
 	}

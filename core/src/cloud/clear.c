@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Clearing by the rays of a picture: voxels are looked up in it, cubes of them first. Derivation: core/docs/cloud.md.
 //
-// No ray is followed through the voxels. A voxel is looked up in the picture: it is free if all pixels that its ball covers saw something behind it, and if
+// No ray is followed through the voxels. A voxel is looked up in the picture: it is free if all pixels that it covers saw something behind it, and if
 // the ray of one of them goes through it. Cubes of 32, 8, 4 and 2 voxels are looked up first: many are behind all that the pixels saw, or beside the
 // picture, or wholly in front. A pyramid of least and greatest depths makes each look-up a few numbers.
 #include "cloud/cloud.h"
@@ -16,14 +16,15 @@ typedef enum judgement
 	ALL ///< each voxel of the cube is free
 } judgement;
 
-typedef struct ball
+typedef struct triple
 {
-	float x, y, z; ///< centre, frame of the view
-} ball;
+	float x, y, z; ///< frame of the view
+} triple;
 
 enum
 {
-	CUBES = 3 ///< of 4, 2 and 1 voxels, in one of twice the edge
+	CUBES = 3, ///< of 4, 2 and 1 voxels, in one of twice the edge
+	FEW = 4    ///< voxels
 };
 
 typedef struct clearer
@@ -33,45 +34,45 @@ typedef struct clearer
 	lw_cloud_report* report;
 	uint32_t stamp;
 	float fx, fy, cx, cy;
-	float edge, margin;  ///< metres
-	float radius[CUBES]; ///< of the balls around cubes of 4, 2 and 1 voxels
-	ball step[CUBES][8]; ///< from the middle of a cube to those of its eighths
-	double chunk_radius, block_radius;
+	float edge, margin; ///< metres
+	/// Half sizes of the boxes, along the axes of the view, around a voxel and around cubes of 2, 4, 8, 32.
+	triple voxel, byte, word, block, chunk;
+	triple step[CUBES][8]; ///< from the middle of a cube to those of its eighths
 } clearer;
 
-/// The pixels that a ball covers, and the least and greatest depth that they saw.
+/// The pixels that a box covers, and the least and greatest depth that they saw.
 typedef struct window
 {
 	bool meets, inside; ///< the picture; all of it is in the picture
 	float least, greatest;
 } window;
 
-static inline int clamped( float value, int most )
+static inline uint32_t clamped( float value, int most )
 {
-	return value <= 0 ? 0 : value >= (float)most ? most : (int)value;
+	return value <= 0 ? 0 : value >= (float)most ? (uint32_t)most : (uint32_t)(int)value;
 }
 
-/// @param near, far of the ball: depths, > 0
-static window look( const clearer* c, ball at, float radius, float near, float far )
+/// @param near, far of the box: depths, > 0
+static inline window look( const clearer* c, triple at, triple half, float near, float far )
 {
 	const lwi_view* view = c->view;
 	const int right = (int)view->width[0] - 1, bottom = (int)view->height[0] - 1;
 	const float by_near = 1 / near, by_far = 1 / far;
-	// the greatest and the least x / z of the box around the ball
-	const float x0 = at.x - radius, x1 = at.x + radius, y0 = at.y - radius, y1 = at.y + radius;
-	const float u0 = floorf( c->fx * x0 * ( x0 >= 0 ? by_far : by_near ) + c->cx );
-	const float u1 = ceilf( c->fx * x1 * ( x1 >= 0 ? by_near : by_far ) + c->cx );
-	const float v0 = floorf( c->fy * y0 * ( y0 >= 0 ? by_far : by_near ) + c->cy );
-	const float v1 = ceilf( c->fy * y1 * ( y1 >= 0 ? by_near : by_far ) + c->cy );
-	window out = { .meets = u1 >= 0 && v1 >= 0 && u0 <= (float)right && v0 <= (float)bottom,
-		.inside = u0 >= 0 && v0 >= 0 && u1 <= (float)right && v1 <= (float)bottom,
+	// the greatest and the least x / z of the box, in pixels; a pixel more on the upper sides, at most
+	const float x0 = at.x - half.x, x1 = at.x + half.x, y0 = at.y - half.y, y1 = at.y + half.y;
+	const float u0 = c->fx * x0 * ( x0 >= 0 ? by_far : by_near ) + c->cx;
+	const float u1 = c->fx * x1 * ( x1 >= 0 ? by_near : by_far ) + c->cx + 1;
+	const float v0 = c->fy * y0 * ( y0 >= 0 ? by_far : by_near ) + c->cy;
+	const float v1 = c->fy * y1 * ( y1 >= 0 ? by_near : by_far ) + c->cy + 1;
+	window out = { .meets = u1 >= 0 && v1 >= 0 && u0 < (float)right + 1 && v0 < (float)bottom + 1,
+		.inside = u0 >= 0 && v0 >= 0 && u1 < (float)right + 1 && v1 < (float)bottom + 1,
 		.least = INFINITY };
 	if ( !out.meets )
 	{
 		return out;
 	}
-	uint32_t left = (uint32_t)clamped( u0, right ), top = (uint32_t)clamped( v0, bottom );
-	uint32_t last_u = (uint32_t)clamped( u1, right ), last_v = (uint32_t)clamped( v1, bottom );
+	uint32_t left = clamped( u0, right ), top = clamped( v0, bottom );
+	uint32_t last_u = clamped( u1, right ), last_v = clamped( v1, bottom );
 	uint32_t level = 0;
 	while ( last_u - left > 2 || last_v - top > 2 )
 	{
@@ -101,9 +102,9 @@ static inline float slack( float far )
 	return 4e-6f * far;
 }
 
-static judgement judge( const clearer* c, ball at, float radius )
+static judgement judge( const clearer* c, triple at, triple half )
 {
-	const float near = at.z - radius, far = at.z + radius;
+	const float near = at.z - half.z, far = at.z + half.z;
 	if ( far <= 0 )
 	{
 		return NONE;
@@ -112,9 +113,9 @@ static judgement judge( const clearer* c, ball at, float radius )
 	{
 		return SOME;
 	}
-	const window seen = look( c, at, radius, near, far );
-	// of the voxel that is nearest the far side is behind `near` by its own diameter
-	if ( !seen.meets || seen.greatest <= near + 2 * c->radius[CUBES - 1] + c->margin )
+	const window seen = look( c, at, half, near, far );
+	// the far side of the nearest voxel is behind `near` by the size of a voxel
+	if ( !seen.meets || seen.greatest <= near + 2 * c->voxel.z + c->margin )
 	{
 		return NONE;
 	}
@@ -122,7 +123,7 @@ static judgement judge( const clearer* c, ball at, float radius )
 }
 
 /// Does the ray of a pixel go through the ball inside a voxel, and end behind it?
-static bool is_passed( const clearer* c, ball at, float behind )
+static bool is_passed( const clearer* c, triple at, float behind )
 {
 	const lwi_view* view = c->view;
 	const float u = c->fx * at.x / at.z + c->cx, v = c->fy * at.y / at.z + c->cy;
@@ -130,17 +131,18 @@ static bool is_passed( const clearer* c, ball at, float behind )
 	if ( view->rays == NULL )
 	{
 		// of an image: the pixel that is nearest. Across z it is no nearer than across the ray
-		const float dx = at.z * ( rintf( u ) - u ) / c->fx, dy = at.z * ( rintf( v ) - v ) / c->fy;
+		const float dx = at.z * ( (float)(int)( u + 0.5f ) - u ) / c->fx,
+					dy = at.z * ( (float)(int)( v + 0.5f ) - v ) / c->fy;
 		return dx * dx + dy * dy <= most;
 	}
 	const int right = (int)view->width[0] - 1, bottom = (int)view->height[0] - 1;
-	const int u0 = clamped( u - 0.5f, right ), u1 = clamped( u + 1.5f, right );
-	const int v0 = clamped( v - 0.5f, bottom ), v1 = clamped( v + 1.5f, bottom );
-	for ( int row = v0; row <= v1; ++row )
+	const uint32_t u0 = clamped( u - 0.5f, right ), u1 = clamped( u + 1.5f, right );
+	const uint32_t v0 = clamped( v - 0.5f, bottom ), v1 = clamped( v + 1.5f, bottom );
+	for ( uint32_t row = v0; row <= v1; ++row )
 	{
-		for ( int column = u0; column <= u1; ++column )
+		for ( uint32_t column = u0; column <= u1; ++column )
 		{
-			const size_t pixel = (size_t)row * view->width[0] + (size_t)column;
+			const size_t pixel = (size_t)row * view->width[0] + column;
 			const float* q = view->rays[pixel];
 			if ( !( view->greatest[0][pixel] > behind ) )
 			{
@@ -156,27 +158,47 @@ static bool is_passed( const clearer* c, ball at, float behind )
 	return false;
 }
 
-static bool is_free( const clearer* c, ball at )
+static bool is_free( const clearer* c, triple at )
 {
-	const float radius = c->radius[CUBES - 1], near = at.z - radius, far = at.z + radius;
+	const lwi_view* view = c->view;
+	const float near = at.z - c->voxel.z, far = at.z + c->voxel.z;
 	if ( near <= 0.5f * c->edge )
 	{
 		return false;
 	}
-	const window seen = look( c, at, radius, near, far );
+	// most voxels are on a surface: the pixel in their middle is enough to keep them
+	const float by_z = 1 / at.z, u = c->fx * at.x * by_z + c->cx + 0.5f, v = c->fy * at.y * by_z + c->cy + 0.5f;
 	const float behind = far + c->margin + slack( far );
+	if ( !( u >= 0 && v >= 0 && u < (float)view->width[0] && v < (float)view->height[0] ) ||
+		 view->least[0][(size_t)(int)v * view->width[0] + (size_t)(int)u] <= behind )
+	{
+		return false;
+	}
+	const window seen = look( c, at, c->voxel, near, far );
 	return seen.inside && seen.least > behind && ( far <= (float)c->view->sure_depth || is_passed( c, at, behind ) );
 }
 
-static inline ball moved( ball at, ball by )
+static inline triple moved( triple at, triple by )
 {
-	return ( ball ){ at.x + by.x, at.y + by.y, at.z + by.z };
+	return ( triple ){ at.x + by.x, at.y + by.y, at.z + by.z };
 }
 
-/// The voxels of a word that are free, of those asked for: an octree of three levels.
-static uint64_t free_bits( const clearer* c, ball middle, uint64_t asked )
+/// The voxels of a byte that are free, of those asked for.
+static uint64_t free_in_byte( const clearer* c, triple middle, uint64_t asked )
 {
-	const judgement word = judge( c, middle, c->radius[0] );
+	uint64_t free = 0;
+	for ( uint64_t left = asked; left != 0; left &= left - 1 )
+	{
+		const uint32_t k = lwi_lowest( left );
+		free |= (uint64_t)is_free( c, moved( middle, c->step[2][k] ) ) << k;
+	}
+	return free;
+}
+
+/// The voxels of a word that are free, of those asked for: an octree of three levels. Few voxels are looked up at once.
+static uint64_t free_bits( const clearer* c, triple middle, uint64_t asked )
+{
+	const judgement word = lwi_bits( asked ) < FEW ? SOME : judge( c, middle, c->word );
 	if ( word != SOME )
 	{
 		return word == ALL ? asked : 0;
@@ -185,34 +207,14 @@ static uint64_t free_bits( const clearer* c, ball middle, uint64_t asked )
 	for ( uint32_t i = 0; i < 8; ++i )
 	{
 		const uint64_t byte = asked >> ( 8 * i ) & 0xff;
-		if ( byte == 0 )
+		if ( byte != 0 )
 		{
-			continue;
+			const triple at = moved( middle, c->step[1][i] );
+			const judgement all = lwi_bits( byte ) <= FEW ? SOME : judge( c, at, c->byte );
+			found |= ( all == ALL ? byte : all == SOME ? free_in_byte( c, at, byte ) : 0 ) << ( 8 * i );
 		}
-		const ball at = moved( middle, c->step[1][i] );
-		// a few voxels are looked up at once
-		const judgement all = lwi_bits( byte ) < 3 ? SOME : judge( c, at, c->radius[1] );
-		uint64_t free = all == ALL ? byte : 0;
-		for ( uint64_t left = all == SOME ? byte : 0; left != 0; left &= left - 1 )
-		{
-			const uint32_t k = lwi_lowest( left );
-			free |= (uint64_t)is_free( c, moved( at, c->step[2][k] ) ) << k;
-		}
-		found |= free << ( 8 * i );
 	}
 	return found;
-}
-
-/// Occupied voxels that an earlier frame has hit last.
-static uint64_t older_bits( const clearer* c, const lwi_block* block, uint32_t w, uint64_t bits )
-{
-	uint64_t older = 0;
-	for ( ; bits != 0; bits &= bits - 1 )
-	{
-		const uint32_t bit = lwi_lowest( bits );
-		older |= (uint64_t)( block->stamp[w << 6 | bit] < c->stamp ) << bit;
-	}
-	return older;
 }
 
 static void set_free( clearer* c, lwi_chunk* chunk, lwi_block* block, uint32_t w, uint64_t bits )
@@ -228,10 +230,10 @@ static void set_free( clearer* c, lwi_chunk* chunk, lwi_block* block, uint32_t w
 	chunk->untidy = chunk->untidy || ( cleared | uncovered ) != 0;
 }
 
-static ball to_view( const lwi_view* view, lw_vec3 p )
+static triple to_view( const lwi_view* view, lw_vec3 p )
 {
 	const lw_vec3 q = lwi_transform( &view->view_from_world, p );
-	return ( ball ){ (float)q.x, (float)q.y, (float)q.z };
+	return ( triple ){ (float)q.x, (float)q.y, (float)q.z };
 }
 
 static lw_vec3 middle_of( const lw_cloud* cloud, const int32_t corner[3], int edge )
@@ -277,8 +279,8 @@ static void clear_block( clearer* c, uint32_t chunk_index, uint32_t b )
 	}
 	int32_t corner[3];
 	lwi_block_corner( cloud, chunk->place, b, corner );
-	const ball middle = to_view( c->view, middle_of( cloud, corner, LWI_BLOCK_EDGE ) );
-	const judgement all = judge( c, middle, (float)c->block_radius );
+	const triple middle = to_view( c->view, middle_of( cloud, corner, LWI_BLOCK_EDGE ) );
+	const judgement all = judge( c, middle, c->block );
 	if ( all == NONE )
 	{
 		return;
@@ -301,7 +303,7 @@ static void clear_block( clearer* c, uint32_t chunk_index, uint32_t b )
 	{
 		const uint64_t wanted = known != NULL ? asked[w] : ~block->seen[w];
 		uint64_t bits = wanted == 0 || all == ALL ? wanted : free_bits( c, moved( middle, c->step[0][w] ), wanted );
-		bits = ( bits & ~block->occupied[w] ) | older_bits( c, block, w, bits & block->occupied[w] );
+		bits = ( bits & ~block->occupied[w] ) | lwi_older_bits( cloud, index, w, bits & block->occupied[w], c->stamp );
 		if ( bits != 0 )
 		{
 			set_free( c, chunk, block, w, bits );
@@ -321,7 +323,7 @@ static void clear_chunk( clearer* c, size_t place )
 	lwi_table_chunk( cloud, place, at );
 	const int32_t corner[3] = { (int32_t)at[0] * LWI_CHUNK_EDGE, (int32_t)at[1] * LWI_CHUNK_EDGE,
 		(int32_t)at[2] * LWI_CHUNK_EDGE };
-	const judgement all = judge( c, to_view( c->view, middle_of( cloud, corner, LWI_CHUNK_EDGE ) ), (float)c->chunk_radius );
+	const judgement all = judge( c, to_view( c->view, middle_of( cloud, corner, LWI_CHUNK_EDGE ) ), c->chunk );
 	if ( all == NONE )
 	{
 		return;
@@ -372,9 +374,21 @@ static void reach_of( const clearer* c, uint32_t first[3], uint32_t last[3] )
 	}
 }
 
+/// Half the size of the box around a cube, along the axes of the view; outward by more than its rounding.
+static triple half_size( const lwi_view* view, double edge )
+{
+	float half[3];
+	for ( int i = 0; i < 3; ++i )
+	{
+		const double* r = view->view_from_world.r[i];
+		half[i] = (float)( 0.5 * edge * ( fabs( r[0] ) + fabs( r[1] ) + fabs( r[2] ) ) * ( 1 + 1e-6 ) );
+	}
+	return ( triple ){ half[0], half[1], half[2] };
+}
+
 static clearer begin_clear( lw_cloud* cloud, const lwi_view* view, uint32_t stamp, lw_cloud_report* report )
 {
-	const double edge = cloud->def.resolution, half = 0.5 * sqrt( 3 ) * edge * ( 1 + 1e-6 );
+	const double edge = cloud->def.resolution;
 	clearer c = { .cloud = cloud,
 		.view = view,
 		.report = report,
@@ -385,9 +399,11 @@ static clearer begin_clear( lw_cloud* cloud, const lwi_view* view, uint32_t stam
 		.cy = (float)view->cy,
 		.edge = (float)edge,
 		.margin = (float)cloud->def.clear_margin,
-		.radius = { (float)( 4 * half ), (float)( 2 * half ), (float)half },
-		.chunk_radius = LWI_CHUNK_EDGE * half,
-		.block_radius = LWI_BLOCK_EDGE * half };
+		.voxel = half_size( view, edge ),
+		.byte = half_size( view, 2 * edge ),
+		.word = half_size( view, 4 * edge ),
+		.block = half_size( view, LWI_BLOCK_EDGE * edge ),
+		.chunk = half_size( view, LWI_CHUNK_EDGE * edge ) };
 	for ( int level = 0; level < CUBES; ++level )
 	{
 		const double by = edge * ( level == 0 ? 2 : level == 1 ? 1 : 0.5 );
@@ -395,7 +411,7 @@ static clearer begin_clear( lw_cloud* cloud, const lwi_view* view, uint32_t stam
 		{
 			const lw_vec3 step =
 				lwi_rotate( &view->view_from_world, lwi_v3( i & 1 ? by : -by, i & 2 ? by : -by, i & 4 ? by : -by ) );
-			c.step[level][i] = ( ball ){ (float)step.x, (float)step.y, (float)step.z };
+			c.step[level][i] = ( triple ){ (float)step.x, (float)step.y, (float)step.z };
 		}
 	}
 	return c;

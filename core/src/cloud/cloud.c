@@ -176,7 +176,8 @@ static void free_voxels( lw_cloud* cloud )
 		lw_shape_release( lwi_chunk_at( cloud, i )->unseen );
 	}
 	free_items( cloud, &cloud->chunks, sizeof( lwi_chunk ) );
-	free_items( cloud, &cloud->blocks, sizeof( lwi_block ) );
+	free_items( cloud, &cloud->slabs, sizeof( lwi_slab ) );
+	cloud->block_count = 0;
 	lwi_array_free( &cloud->free_chunks, &cloud->allocator, sizeof( uint32_t ) );
 	lwi_array_free( &cloud->free_blocks, &cloud->allocator, sizeof( uint32_t ) );
 	lw_shape_release( cloud->far_unseen );
@@ -209,30 +210,58 @@ void lw_cloud_clear( lw_cloud* cloud )
 
 // ---- chunks and blocks -----------------------------------------------------------------------------------------------
 
-/// A place in an array of pointers: one that was given back, or a new one with zeroed memory. LW_INVALID_INDEX without memory.
-static uint32_t take_place( lw_cloud* cloud, lwi_array* items, lwi_array* free_places, size_t size )
-{
-	if ( free_places->count > 0 )
-	{
-		return ( (uint32_t*)free_places->data )[--free_places->count];
-	}
-	// so that giving back never allocates
-	if ( !lwi_array_reserve( free_places, &cloud->allocator, sizeof( uint32_t ), items->count + 1 ) )
-	{
-		return LW_INVALID_INDEX;
-	}
-	void* item = lwi_alloc_zero( &cloud->allocator, 1, size );
-	if ( item == NULL || !lwi_array_push( items, &cloud->allocator, sizeof( void* ), &item ) )
-	{
-		lwi_free( &cloud->allocator, item, size );
-		return LW_INVALID_INDEX;
-	}
-	return (uint32_t)items->count - 1;
-}
-
 static void give_back( lwi_array* free_places, uint32_t place )
 {
 	( (uint32_t*)free_places->data )[free_places->count++] = place;
+}
+
+/// A place for a chunk: one that was given back, or a new one. LW_INVALID_INDEX without memory.
+static uint32_t take_chunk( lw_cloud* cloud )
+{
+	if ( cloud->free_chunks.count > 0 )
+	{
+		return ( (uint32_t*)cloud->free_chunks.data )[--cloud->free_chunks.count];
+	}
+	// the list of free places has room for all, so that giving back never allocates
+	lwi_chunk* chunk = NULL;
+	if ( lwi_array_reserve( &cloud->free_chunks, &cloud->allocator, sizeof( uint32_t ), cloud->chunks.count + 1 ) )
+	{
+		chunk = lwi_alloc_zero( &cloud->allocator, 1, sizeof( lwi_chunk ) );
+	}
+	if ( chunk == NULL || !lwi_array_push( &cloud->chunks, &cloud->allocator, sizeof( void* ), &chunk ) )
+	{
+		lwi_free( &cloud->allocator, chunk, sizeof( lwi_chunk ) );
+		return LW_INVALID_INDEX;
+	}
+	return (uint32_t)cloud->chunks.count - 1;
+}
+
+/// The same of a block.
+static uint32_t take_block( lw_cloud* cloud )
+{
+	if ( cloud->free_blocks.count > 0 )
+	{
+		return ( (uint32_t*)cloud->free_blocks.data )[--cloud->free_blocks.count];
+	}
+	if ( cloud->block_count >= cloud->def.most_blocks )
+	{
+		return LW_INVALID_INDEX;
+	}
+	if ( cloud->block_count == cloud->slabs.count * LWI_SLAB_BLOCKS )
+	{
+		lwi_slab* slab = NULL;
+		if ( lwi_array_reserve( &cloud->free_blocks, &cloud->allocator, sizeof( uint32_t ),
+				 cloud->block_count + LWI_SLAB_BLOCKS ) )
+		{
+			slab = lwi_alloc( &cloud->allocator, sizeof( lwi_slab ) );
+		}
+		if ( slab == NULL || !lwi_array_push( &cloud->slabs, &cloud->allocator, sizeof( void* ), &slab ) )
+		{
+			lwi_free( &cloud->allocator, slab, sizeof( lwi_slab ) );
+			return LW_INVALID_INDEX;
+		}
+	}
+	return cloud->block_count++;
 }
 
 /// The first voxel of a block, relative to `first`.
@@ -288,7 +317,7 @@ uint32_t lwi_chunk_make( lw_cloud* cloud, size_t place )
 	{
 		return was;
 	}
-	const uint32_t index = take_place( cloud, &cloud->chunks, &cloud->free_chunks, sizeof( lwi_chunk ) );
+	const uint32_t index = take_chunk( cloud );
 	if ( index == LW_INVALID_INDEX )
 	{
 		return index;
@@ -319,17 +348,13 @@ uint32_t lwi_block_make( lw_cloud* cloud, uint32_t chunk_index, uint32_t b )
 	{
 		return was;
 	}
-	if ( cloud->blocks.count - cloud->free_blocks.count >= cloud->def.most_blocks )
-	{
-		return LW_INVALID_INDEX;
-	}
-	const uint32_t index = take_place( cloud, &cloud->blocks, &cloud->free_blocks, sizeof( lwi_block ) );
+	const uint32_t index = take_block( cloud );
 	if ( index == LW_INVALID_INDEX )
 	{
 		return index;
 	}
 	lwi_block* block = lwi_block_at( cloud, index );
-	memset( block, 0, sizeof( *block ) );
+	memset( block, 0, sizeof( *block ) ); // stamps are those of occupied voxels only
 	int32_t corner[3];
 	lwi_block_corner( cloud, chunk->place, b, corner );
 	for ( uint32_t w = 0; w < LWI_BLOCK_WORDS && cloud->def.unseen_blocked; ++w )
@@ -430,6 +455,39 @@ void lwi_stamp_begin( lw_cloud* cloud, double stamp )
 	cloud->begin = isnan( cloud->begin ) ? stamp - BEFORE : cloud->begin;
 }
 
+void lwi_block_begin_frame( lw_cloud* cloud, uint32_t index )
+{
+	lwi_block* block = lwi_block_at( cloud, index );
+	uint32_t* stamps = lwi_stamps_at( cloud, index );
+	for ( uint32_t w = 0; w < LWI_BLOCK_WORDS; ++w )
+	{
+		for ( uint64_t left = block->before[w] & ~block->hit[w]; left != 0; left &= left - 1 )
+		{
+			stamps[w << 6 | lwi_lowest( left )] = block->before_stamp;
+		}
+		block->before[w] = block->hit[w];
+		block->hit[w] = 0;
+	}
+	block->frame = cloud->frame;
+	block->before_stamp = block->hit_stamp;
+	// sensors may come in any order: then a voxel counts as hit later than it was, and stays longer
+	block->hit_stamp = block->hit_stamp > cloud->now ? block->hit_stamp : cloud->now;
+}
+
+uint64_t lwi_older_bits( const lw_cloud* cloud, uint32_t index, uint32_t w, uint64_t asked, uint32_t stamp )
+{
+	const lwi_block* block = lwi_block_at( cloud, index );
+	const uint32_t* stamps = lwi_stamps_at( cloud, index );
+	const uint64_t hit = block->hit[w], before = block->before[w] & ~hit;
+	uint64_t older = ( block->hit_stamp < stamp ? asked & hit : 0 ) | ( block->before_stamp < stamp ? asked & before : 0 );
+	for ( uint64_t left = asked & ~( hit | before ); left != 0; left &= left - 1 )
+	{
+		const uint32_t bit = lwi_lowest( left );
+		older |= (uint64_t)( stamps[w << 6 | bit] < stamp ) << bit;
+	}
+	return older;
+}
+
 uint32_t lw_cloud_forget_before( lw_cloud* cloud, double stamp )
 {
 	if ( isnan( cloud->begin ) || isnan( stamp ) )
@@ -446,12 +504,7 @@ uint32_t lw_cloud_forget_before( lw_cloud* cloud, double stamp )
 			lwi_block* block = lwi_is_made( chunk->blocks[b] ) ? lwi_block_at( cloud, chunk->blocks[b] ) : NULL;
 			for ( uint32_t w = 0; block != NULL && w < LWI_BLOCK_WORDS; ++w )
 			{
-				uint64_t old = 0;
-				for ( uint64_t left = block->occupied[w]; left != 0; left &= left - 1 )
-				{
-					const uint32_t bit = lwi_lowest( left );
-					old |= (uint64_t)( block->stamp[w << 6 | bit] < before ) << bit;
-				}
+				const uint64_t old = lwi_older_bits( cloud, chunk->blocks[b], w, block->occupied[w], before );
 				block->occupied[w] &= ~old;
 				block->seen[w] &= ~old;
 				forgotten += lwi_bits( old );
@@ -469,16 +522,21 @@ uint32_t lw_cloud_forget_before( lw_cloud* cloud, double stamp )
 // ---- boxes -----------------------------------------------------------------------------------------------------------
 
 /// Gives some voxels of a word a state.
-static void set_bits( lw_cloud* cloud, lwi_chunk* chunk, lwi_block* block, uint32_t w, uint64_t bits, lw_cloud_voxel state )
+static void set_bits( lw_cloud* cloud, lwi_chunk* chunk, uint32_t index, uint32_t w, uint64_t bits, lw_cloud_voxel state )
 {
+	lwi_block* block = lwi_block_at( cloud, index );
 	const uint64_t occupied = block->occupied[w], seen = block->seen[w];
 	if ( state == LW_VOXEL_OCCUPIED )
 	{
 		block->occupied[w] |= bits;
-		for ( uint64_t left = bits; left != 0; left &= left - 1 )
+		// those that were hit later keep their stamp
+		const uint64_t older = lwi_older_bits( cloud, index, w, bits & occupied, cloud->now ) | ( bits & ~occupied );
+		uint32_t* stamps = lwi_stamps_at( cloud, index );
+		block->hit[w] &= ~older;
+		block->before[w] &= ~older;
+		for ( uint64_t left = older; left != 0; left &= left - 1 )
 		{
-			uint32_t* stamp = &block->stamp[w << 6 | lwi_lowest( left )];
-			*stamp = *stamp > cloud->now ? *stamp : cloud->now;
+			stamps[w << 6 | lwi_lowest( left )] = cloud->now;
 		}
 	}
 	else
@@ -521,13 +579,12 @@ static bool set_in_block( lw_cloud* cloud, uint32_t chunk_index, uint32_t b, con
 		}
 		return state != LW_VOXEL_OCCUPIED;
 	}
-	lwi_block* block = lwi_block_at( cloud, index );
 	for ( uint32_t w = 0; w < LWI_BLOCK_WORDS; ++w )
 	{
 		const uint64_t bits = lwi_range_bits( low, high, corner, w );
 		if ( bits != 0 )
 		{
-			set_bits( cloud, chunk, block, w, bits, state );
+			set_bits( cloud, chunk, index, w, bits, state );
 		}
 	}
 	return true;
@@ -721,13 +778,13 @@ lw_cloud_info lw_cloud_get_info( const lw_cloud* cloud )
 		.late = cloud->late,
 		.jumped = cloud->jumped,
 		.lost = cloud->lost,
-		.blocks = (uint32_t)( cloud->blocks.count - cloud->free_blocks.count ),
+		.blocks = lwi_blocks_in_use( cloud ),
 		.most_blocks = cloud->def.most_blocks,
 		.shapes = cloud->shapes,
 		.rebuilt = cloud->rebuilt,
 		.bytes = sizeof( lw_cloud ) + places_of( cloud ) * sizeof( uint32_t ) +
 				 cloud->chunks.count * ( sizeof( lwi_chunk ) + sizeof( void* ) ) +
-				 cloud->blocks.count * ( sizeof( lwi_block ) + sizeof( void* ) ) };
+				 cloud->slabs.count * ( sizeof( lwi_slab ) + sizeof( void* ) ) };
 	info.excess = info.excess * ( 1 + 8 * LWI_U64 );
 	for ( int k = 0; k < 3; ++k )
 	{

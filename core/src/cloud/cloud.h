@@ -30,14 +30,28 @@ static inline bool lwi_is_made( uint32_t place )
 	return place < LWI_ALL_FREE;
 }
 
+/// Last hits are kept as bits with one stamp for all, so that a voxel which each frame hits again costs no more than a bit: `hit` of the last frame that
+/// hit the block, `before` of the frame before that one. Those in neither have a stamp of their own, in lwi_slab.
 typedef struct lwi_block
 {
 	uint64_t occupied[LWI_BLOCK_WORDS];
 	uint64_t seen[LWI_BLOCK_WORDS]; ///< free or occupied; of clouds whose unseen voxels are blocked, else not used
-	uint64_t hit[LWI_BLOCK_WORDS];  ///< by the frame with the number `frame`
-	uint32_t frame;
-	uint32_t stamp[LWI_BLOCK_VOXELS]; ///< milliseconds since the cloud's beginning, rounded up: last hit
+	uint64_t hit[LWI_BLOCK_WORDS], before[LWI_BLOCK_WORDS];
+	uint32_t frame; ///< number of the frame of `hit`
+	uint32_t hit_stamp, before_stamp;
 } lwi_block;
+
+enum
+{
+	LWI_SLAB_BLOCKS = 64
+};
+
+/// Memory of blocks; what each point of a frame needs is together.
+typedef struct lwi_slab
+{
+	lwi_block blocks[LWI_SLAB_BLOCKS];
+	uint32_t stamps[LWI_SLAB_BLOCKS][LWI_BLOCK_VOXELS]; ///< milliseconds since the cloud's beginning, rounded up
+} lwi_slab;
 
 typedef struct lwi_chunk
 {
@@ -68,10 +82,12 @@ struct lw_cloud
 	uint32_t size[3];        ///< chunks along x, y, z
 	uint32_t* table;         ///< [size z][size y][size x] chunk, LWI_ALL_UNSEEN or LWI_ALL_FREE
 	lwi_array chunks;        ///< of lwi_chunk*; a place in it stays with its chunk, so that shapes keep their order
-	lwi_array free_chunks, blocks, free_blocks; ///< of uint32_t, lwi_block*, uint32_t
-	uint32_t frame;                             ///< number of the last frame that was taken
-	double begin;                               ///< seconds: stamp 0 of voxels; NaN: no frame yet
-	uint32_t now;                               ///< stamp of the last hits
+	lwi_array free_chunks, free_blocks; ///< of uint32_t
+	lwi_array slabs;                    ///< of lwi_slab*
+	uint32_t block_count;               ///< that were ever in use at once
+	uint32_t frame;                     ///< number of the last frame that was taken
+	double begin;                       ///< seconds: stamp 0 of voxels; NaN: no frame yet
+	uint32_t now;                       ///< stamp of the last hits
 	lwi_sensor sensors[LW_CLOUD_SENSORS];
 	uint64_t occupied, frames, late, jumped, lost;
 	bool complete;
@@ -109,7 +125,15 @@ static inline lwi_chunk* lwi_chunk_at( const lw_cloud* cloud, uint32_t chunk )
 }
 static inline lwi_block* lwi_block_at( const lw_cloud* cloud, uint32_t block )
 {
-	return ( (lwi_block**)cloud->blocks.data )[block];
+	return &( (lwi_slab**)cloud->slabs.data )[block / LWI_SLAB_BLOCKS]->blocks[block % LWI_SLAB_BLOCKS];
+}
+static inline uint32_t* lwi_stamps_at( const lw_cloud* cloud, uint32_t block )
+{
+	return ( (lwi_slab**)cloud->slabs.data )[block / LWI_SLAB_BLOCKS]->stamps[block % LWI_SLAB_BLOCKS];
+}
+static inline uint32_t lwi_blocks_in_use( const lw_cloud* cloud )
+{
+	return cloud->block_count - (uint32_t)cloud->free_blocks.count;
 }
 static inline size_t lwi_table_place( const lw_cloud* cloud, const uint32_t chunk[3] )
 {
@@ -146,6 +170,11 @@ uint64_t lwi_range_bits( const int32_t low[3], const int32_t high[3], const int3
 uint32_t lwi_stamp_up( const lw_cloud* cloud, double stamp );
 uint32_t lwi_stamp_down( const lw_cloud* cloud, double stamp );
 void lwi_stamp_begin( lw_cloud* cloud, double stamp ); ///< of the first frame
+
+/// Voxels of a word whose last hit was before a stamp, of those asked for.
+uint64_t lwi_older_bits( const lw_cloud* cloud, uint32_t block, uint32_t word, uint64_t asked, uint32_t stamp );
+/// Makes a block ready for the hits of a frame.
+void lwi_block_begin_frame( lw_cloud* cloud, uint32_t block );
 
 static inline uint32_t lwi_bits( uint64_t word )
 {
@@ -225,8 +254,8 @@ typedef struct lwi_view
 	/// Depths z of pixels, and of squares of 2, 4, ... pixels: least and greatest. Of an image: 0 if a pixel is not measured. Of points: the point of
 	/// least z of a pixel; infinite and 0 if it has none.
 	float *least[LWI_VIEW_LEVELS], *greatest[LWI_VIEW_LEVELS];
-	const float ( *rays )[3]; ///< of points: [height][width] that point, view frame; NULL of an image
-	double sure_depth;        ///< each ball of half a voxel in the picture, up to this depth, has the ray of a pixel in it
+	float ( *rays )[3]; ///< of points: [height][width] that point, view frame; NULL of an image
+	double sure_depth;  ///< each ball of half a voxel in the picture, up to this depth, has the ray of a pixel in it
 } lwi_view;
 
 /// Sets sizes and places the arrays of all levels. @return false without memory

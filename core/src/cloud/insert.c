@@ -10,7 +10,8 @@ enum
 {
 	FRAME_COOKIE = 0x6c774672, // "lwFr"
 	MOST_SIDE = 8192,          ///< pixels of an image
-	MOST_POINTS = 1 << 26
+	MOST_POINTS = 1 << 26,
+	SQUARE = 16 ///< pixels of an image that are inserted together
 };
 
 lw_cloud_frame lw_cloud_frame_default( void )
@@ -217,8 +218,7 @@ static void make_block( inserter* in )
 	in->block = lwi_block_at( cloud, block );
 	if ( in->block->frame != cloud->frame )
 	{
-		in->block->frame = cloud->frame;
-		memset( in->block->hit, 0, sizeof( in->block->hit ) );
+		lwi_block_begin_frame( cloud, block );
 	}
 }
 
@@ -229,13 +229,13 @@ static inline void insert_point( inserter* in, double x, double y, double z )
 	uint32_t v[3], at[3];
 	for ( int k = 0; k < 3; ++k )
 	{
-		const double voxel = floor( p[k] * cloud->inverse ) - cloud->first[k];
+		const double voxel = p[k] * cloud->inverse - cloud->first[k];
 		if ( !( voxel >= cloud->low[k] && voxel < cloud->high[k] ) )
 		{
 			++in->report->outside;
 			return;
 		}
-		v[k] = (uint32_t)voxel;
+		v[k] = (uint32_t)(int32_t)voxel;
 		at[k] = v[k] / LWI_BLOCK_EDGE;
 	}
 	if ( at[0] != in->at[0] || at[1] != in->at[1] || at[2] != in->at[2] )
@@ -265,7 +265,6 @@ static inline void insert_point( inserter* in, double x, double y, double z )
 		return;
 	}
 	block->hit[w] |= bit;
-	block->stamp[m] = block->stamp[m] > cloud->now ? block->stamp[m] : cloud->now;
 	if ( ( block->occupied[w] & bit ) == 0 )
 	{
 		++in->report->added;
@@ -371,8 +370,58 @@ static inline float depth_of_ray( const lw_cloud_frame* frame, double depth, boo
 	return (float)depth;
 }
 
-/// Inserts the points of a depth image and notes the depths of its rays. @param columns [width][3] room
-static void insert_depth( inserter* in, const lw_cloud_frame* frame, double ( *columns )[3], float* depths )
+/// The depth of a pixel, metres.
+static inline double load_depth( const lw_cloud_depth* depth, uint32_t u, uint32_t v )
+{
+	const unsigned char* row = (const unsigned char*)depth->data + v * depth->row_step;
+	if ( depth->is_float )
+	{
+		return depth->scale * (double)load_float( row + u * sizeof( float ), depth->is_swapped );
+	}
+	uint16_t raw;
+	memcpy( &raw, row + u * sizeof( raw ), sizeof( raw ) );
+	return depth->scale * ( depth->is_swapped ? ( raw >> 8 | ( raw & 0xff ) << 8 ) : raw );
+}
+
+/// Directions of the rays: the point of pixel (u, v) at depth z is t + z (rows[v] + columns[u]), world.
+typedef struct rays_of_depth
+{
+	double ( *columns )[3];
+	double ( *rows )[3];
+	float* depths; ///< [height][width], written; NULL: not wanted
+} rays_of_depth;
+
+/// Inserts the points of the pixels of a square.
+static void insert_square( inserter* in, const lw_cloud_frame* frame, const rays_of_depth* rays, uint32_t left,
+	uint32_t top )
+{
+	const lw_cloud_depth* depth = &frame->depth;
+	const double* t = frame->world_from_sensor.t;
+	const uint32_t right = left + SQUARE < depth->width ? left + SQUARE : depth->width;
+	const uint32_t bottom = top + SQUARE < depth->height ? top + SQUARE : depth->height;
+	for ( uint32_t v = top; v < bottom; ++v )
+	{
+		const double* row = rays->rows[v];
+		for ( uint32_t u = left; u < right; ++u )
+		{
+			const double z = load_depth( depth, u, v ), *column = rays->columns[u];
+			bool has_point;
+			const float ray = depth_of_ray( frame, z, &has_point, in->report );
+			if ( rays->depths != NULL )
+			{
+				rays->depths[(size_t)v * depth->width + u] = ray;
+			}
+			if ( has_point )
+			{
+				insert_point( in, t[0] + z * ( row[0] + column[0] ), t[1] + z * ( row[1] + column[1] ),
+					t[2] + z * ( row[2] + column[2] ) );
+			}
+		}
+	}
+}
+
+/// Inserts the points of a depth image and notes the depths of its rays: square by square, for neighbours fall into the same blocks.
+static void insert_depth( inserter* in, const lw_cloud_frame* frame, const rays_of_depth* rays )
 {
 	const lw_cloud_depth* depth = &frame->depth;
 	const lw_transform* pose = &frame->world_from_sensor;
@@ -380,41 +429,21 @@ static void insert_depth( inserter* in, const lw_cloud_frame* frame, double ( *c
 	{
 		for ( int k = 0; k < 3; ++k )
 		{
-			columns[u][k] = pose->r[k][0] * ( ( u - depth->cx ) / depth->fx );
+			rays->columns[u][k] = pose->r[k][0] * ( ( u - depth->cx ) / depth->fx );
 		}
 	}
 	for ( uint32_t v = 0; v < depth->height; ++v )
 	{
-		const unsigned char* row = (const unsigned char*)depth->data + v * depth->row_step;
-		double along[3];
 		for ( int k = 0; k < 3; ++k )
 		{
-			along[k] = pose->r[k][1] * ( ( v - depth->cy ) / depth->fy ) + pose->r[k][2];
+			rays->rows[v][k] = pose->r[k][1] * ( ( v - depth->cy ) / depth->fy ) + pose->r[k][2];
 		}
-		for ( uint32_t u = 0; u < depth->width; ++u )
+	}
+	for ( uint32_t top = 0; top < depth->height; top += SQUARE )
+	{
+		for ( uint32_t left = 0; left < depth->width; left += SQUARE )
 		{
-			double z;
-			if ( depth->is_float )
-			{
-				z = depth->scale * (double)load_float( row + u * sizeof( float ), depth->is_swapped );
-			}
-			else
-			{
-				uint16_t raw;
-				memcpy( &raw, row + u * sizeof( raw ), sizeof( raw ) );
-				z = depth->scale * ( depth->is_swapped ? ( raw >> 8 | ( raw & 0xff ) << 8 ) : raw );
-			}
-			bool has_point;
-			const float ray = depth_of_ray( frame, z, &has_point, in->report );
-			if ( depths != NULL )
-			{
-				depths[(size_t)v * depth->width + u] = ray;
-			}
-			if ( has_point )
-			{
-				insert_point( in, pose->t[0] + z * ( along[0] + columns[u][0] ),
-					pose->t[1] + z * ( along[1] + columns[u][1] ), pose->t[2] + z * ( along[2] + columns[u][2] ) );
-			}
+			insert_square( in, frame, rays, left, top );
 		}
 	}
 }
@@ -429,7 +458,7 @@ typedef struct prepared
 	uint32_t body_count;
 	bool clears;
 	float ( *rays )[3];
-	double ( *columns )[3];
+	double ( *directions )[3];
 	lwi_view view;
 } prepared;
 
@@ -437,14 +466,15 @@ static bool make_room( lw_cloud* cloud, const lw_cloud_frame* frame, prepared* o
 {
 	if ( frame->depth.data != NULL )
 	{
-		lwi_array* columns = &cloud->scratch[0];
+		lwi_array* directions = &cloud->scratch[0];
 		out->clears = out->clears && frame->depth.width > 0 && frame->depth.height > 0;
-		if ( !lwi_array_reserve( columns, &cloud->allocator, 1, frame->depth.width * sizeof( double[3] ) ) ||
+		if ( !lwi_array_reserve( directions, &cloud->allocator, 1,
+				 ( (size_t)frame->depth.width + frame->depth.height ) * sizeof( double[3] ) ) ||
 			 ( out->clears && !lwi_view_begin( cloud, frame->depth.width, frame->depth.height, false, &out->view ) ) )
 		{
 			return false;
 		}
-		out->columns = columns->data;
+		out->directions = directions->data;
 		return true;
 	}
 	const uint32_t count = frame->points.data != NULL ? frame->points.width * frame->points.height : 0;
@@ -523,7 +553,9 @@ lw_status lw_cloud_insert( lw_cloud* cloud, const lw_cloud_frame* frame_in, lw_d
 	inserter in = begin_insert( cloud, ready.bodies, ready.body_count, report );
 	if ( frame.depth.data != NULL )
 	{
-		insert_depth( &in, &frame, ready.columns, ready.clears ? ready.view.least[0] : NULL );
+		const rays_of_depth rays = { ready.directions, ready.directions + frame.depth.width,
+			ready.clears ? ready.view.least[0] : NULL };
+		insert_depth( &in, &frame, &rays );
 		if ( ready.clears )
 		{
 			view_of_depth( cloud, &frame.depth, &frame.world_from_sensor, &ready.view );
@@ -547,7 +579,7 @@ lw_status lw_cloud_insert( lw_cloud* cloud, const lw_cloud_frame* frame_in, lw_d
 		cloud->complete = false;
 		return lwi_fail( diag, LW_ERROR_OUT_OF_MEMORY, LW_INVALID_INDEX,
 			"%u points of the frame are lost: %u blocks of at most %u are in use; the cloud is incomplete: lw_cloud_clear(), and more blocks",
-			report->lost, (uint32_t)( cloud->blocks.count - cloud->free_blocks.count ), cloud->def.most_blocks );
+			report->lost, lwi_blocks_in_use( cloud ), cloud->def.most_blocks );
 	}
 	return LW_OK;
 }

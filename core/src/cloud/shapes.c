@@ -274,7 +274,7 @@ lw_status lwi_occupied_shape( const lw_cloud* cloud, const lwi_chunk* chunk, lw_
 	if ( made )
 	{
 		lwi_shape_finish( shape );
-		status = lwi_shape_find_extreme_points( shape, diag );
+		status = lwi_shape_find_few_extreme_points( shape, diag );
 	}
 	lwi_free( &cloud->allocator, codes, count * sizeof( uint16_t ) );
 	if ( !made || status != LW_OK )

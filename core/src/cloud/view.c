@@ -137,7 +137,7 @@ static void fill( lwi_view* view, float ( *rays )[3], uint32_t count )
 {
 	const uint32_t width = view->width[0], height = view->height[0];
 	const size_t pixels = (size_t)width * height;
-	float( *kept )[3] = (float( * )[3])view->rays;
+	float( *kept )[3] = view->rays;
 	for ( size_t i = 0; i < pixels; ++i )
 	{
 		view->least[0][i] = INFINITY;

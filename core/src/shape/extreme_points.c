@@ -116,12 +116,13 @@ static lw_status out_of_memory( lw_diag* diag )
 	return lwi_out_of_memory( diag, "a sphere tree" );
 }
 
-static lw_status find_own_points( lw_shape* shape, bool is_piece, lw_diag* diag )
+/// @param coarse as of find_points()
+static lw_status find_own_points( lw_shape* shape, bool coarse, lw_diag* diag )
 {
 	float found[POINTS][3];
 	size_t size = blocks_of( shape->vertex_count ) * sizeof( lwi_points8 );
 	lwi_points8* vertices = NULL;
-	if ( shape->family == LWI_TRIANGLES && !is_piece && shape->vertex_count <= FEW_VERTICES )
+	if ( shape->family == LWI_TRIANGLES && !coarse && shape->vertex_count <= FEW_VERTICES )
 	{
 		vertices = vertices_of( shape, size );
 		if ( vertices == NULL )
@@ -129,7 +130,7 @@ static lw_status find_own_points( lw_shape* shape, bool is_piece, lw_diag* diag 
 			return out_of_memory( diag );
 		}
 	}
-	uint32_t count = find_points( shape, vertices, is_piece, found );
+	uint32_t count = find_points( shape, vertices, coarse, found );
 	if ( vertices != NULL )
 	{
 		lwi_free( &shape->allocator, vertices, size );
@@ -224,6 +225,13 @@ lw_status lwi_shape_find_extreme_points( lw_shape* shape, lw_diag* diag )
 	lw_status status = find_own_points( shape, false, diag );
 	shape->bytes += shape->extreme_blocks * sizeof( lwi_points8 );
 	return status == LW_OK ? find_pieces( shape, diag ) : status;
+}
+
+lw_status lwi_shape_find_few_extreme_points( lw_shape* shape, lw_diag* diag )
+{
+	lw_status status = find_own_points( shape, true, diag );
+	shape->bytes += shape->extreme_blocks * sizeof( lwi_points8 );
+	return status;
 }
 
 static void free_points( const lw_allocator* allocator, lw_shape* shape )

@@ -256,6 +256,9 @@ lw_status lwi_shape_find_obbs( lw_shape* shape, lw_diag* diag );
 /// @return LW_OK or LW_ERROR_OUT_OF_MEMORY
 lw_status lwi_shape_find_extreme_points( lw_shape* shape, lw_diag* diag );
 
+/// The same along a third of the directions, for shapes that are one of many and often made anew. Not of meshes.
+lw_status lwi_shape_find_few_extreme_points( lw_shape* shape, lw_diag* diag );
+
 void lwi_shape_free_extreme_points( lw_shape* shape ); ///< and its pieces
 
 /// Fills `convex` of a mesh that is convex. Cost: O(vertices triangles), of meshes that are closed and of few vertices.

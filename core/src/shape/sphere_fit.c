@@ -335,14 +335,20 @@ void lwi_ball_around_balls( lw_vec3 center, const double* centers, const double*
 	double slack, float sphere[4] )
 {
 	float c[3] = { (float)center.x, (float)center.y, (float)center.z };
-	double largest = 0.0;
+	double largest = 0.0, largest_sq = 0.0;
 	for ( size_t i = 0; i < count; ++i )
 	{
 		double x = centers[3 * i] - (double)c[0], y = centers[3 * i + 1] - (double)c[1],
 			   z = centers[3 * i + 2] - (double)c[2];
-		double reach = sqrt( x * x + y * y + z * z ) + ( radii != NULL ? radii[i] : radius );
-		largest = reach > largest ? reach : largest;
+		double sq = x * x + y * y + z * z;
+		largest_sq = sq > largest_sq ? sq : largest_sq;
+		if ( radii != NULL )
+		{
+			double reach = sqrt( sq ) + radii[i];
+			largest = reach > largest ? reach : largest;
+		}
 	}
+	largest = radii != NULL ? largest : sqrt( largest_sq ) + radius;
 	memcpy( sphere, c, sizeof( c ) );
 	sphere[3] = lwi_round_up( largest * DISTANCE_FACTOR + DISTANCE_UNDERFLOW + slack );
 }
