@@ -34,7 +34,7 @@ packages_of()
 		liblzf-dev liboctomap-dev libsdformat-dev libpng-dev libcli11-dev nlohmann-json3-dev ;;
 	# xvfb-run is a script of xvfb that calls xauth, which is only recommended by it
 	examples) echo f3d xvfb xauth ;;
-	benchmarks) echo libfcl-dev libccd-dev libeigen3-dev gnuplot-nox ;;
+	benchmarks) echo libfcl-dev libccd-dev libeigen3-dev libnanoflann-dev gnuplot-nox ;;
 	# clang and its runtimes: fuzzers, warnings of a second compiler, layout
 	tests) echo python3 libgtest-dev libgmock-dev clang clang-format-14 libclang-rt-14-dev valgrind cppcheck ;;
 	# the cross compiler, and an emulator of the other machine

@@ -11,6 +11,7 @@ void addCompare( Bench& bench );
 void addEdits( Bench& bench );
 void addExperiments( Bench& bench );
 void addGuard( Bench& bench );
+void addLive( Bench& bench );
 void addKernels( Bench& bench );
 void addPeers( Bench& bench );
 void addReach( Bench& bench );

@@ -24,6 +24,7 @@ int main( int argc, char** argv )
 	addStartup( bench );
 	addEdits( bench );
 	addGuard( bench );
+	addLive( bench );
 	addKernels( bench );
 	addExperiments( bench );
 #ifdef LEEWAY_BENCH_OMPL

@@ -43,6 +43,7 @@ HOUSES = [
         ("motion", "are all states of an edge free?"),
         ("near", "all near pairs of a state, directions and derivatives"),
         ("guard", "a motion that runs while scenes change"),
+        ("cloud", "voxels of depth cameras and scanners: frames in, scenes out"),
         ("approximate", "simplification, enclosing spheres: offline, no room includes it"),
         ("blob", "shapes and reachability as bytes"),
     ], "core/CMakeFiles/leeway_core.dir/src"),

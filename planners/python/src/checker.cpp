@@ -238,6 +238,16 @@ PyChecker addObject( PyWorld& world, const std::string& name, const nb::object& 
 	return changed( world, [&]( io::World& w ) { w.add( name, placed, at ); } );
 }
 
+PyChecker seeCloud( PyWorld& world, const std::string& name, PyCloud& cloud )
+{
+	return changed( world,
+	    [&]( io::World& w )
+	    {
+		    const std::lock_guard<std::mutex> lock( cloud.mutex );
+		    w.see( name, cloud.cloud );
+	    } );
+}
+
 PyChecker removeObject( PyWorld& world, const std::string& name )
 {
 	return changed( world, [&]( io::World& w ) { w.remove( name ); } );
@@ -282,6 +292,8 @@ void bindWorldEdits( nb::class_<PyWorld>& type )
 	    nb::sig( "def add(self, name: str, shapes: Shape | Sequence[Shape | tuple[Shape, numpy.typing.ArrayLike]], "
 	             "pose: numpy.typing.ArrayLike | None = None) -> Checker" ),
 	    "Adds an object: a Shape, or a list of Shape and (Shape, pose in the object), at a pose in the world." );
+	type.def( "see", &seeCloud, "name"_a, "cloud"_a,
+	    "A live cloud as it is now becomes the object of this name, or replaces what it was at the call before." );
 	type.def( "remove", &removeObject, "name"_a, "Removes an object; an attached one is detached first." );
 	type.def( "attach", &attachObject, "name"_a, "link"_a, "touch_links"_a = Names(), "state"_a = nb::none(),
 	    nb::sig( "def attach(self, name: str, link: str, touch_links: Sequence[str] = [], "

@@ -55,6 +55,7 @@ NB_MODULE( _core, module )
 	bindRobots( module );
 	bindReach( module );
 	bindScenes( module );
+	bindClouds( module );
 	bindCheckers( module );
 	bindTimedWorlds( module );
 	bindGuards( module );

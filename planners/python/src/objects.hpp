@@ -80,6 +80,14 @@ struct PyChecker
 	std::size_t variables() const { return problem->variables.size(); }
 };
 
+/// leeway.Cloud: one call at a time.
+struct PyCloud
+{
+	explicit PyCloud( const lw_cloud_def& def ) : cloud( def ) {}
+	std::mutex mutex;
+	io::Cloud cloud;
+};
+
 /// leeway.Reach
 struct PyReach
 {
@@ -123,6 +131,7 @@ nb::object result( const char* type, const nb::tuple& values );
 void bindShapes( nb::module_& module );
 void bindRobots( nb::module_& module );
 void bindScenes( nb::module_& module );
+void bindClouds( nb::module_& module );
 void bindCheckers( nb::module_& module );
 void bindStates( nb::class_<PyChecker>& type );
 /// Raises the error of row i of states that the library refused. @throws CoreError

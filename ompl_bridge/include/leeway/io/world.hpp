@@ -10,6 +10,7 @@
 // stay valid for their users.
 #pragma once
 
+#include "leeway/io/cloud.hpp"
 #include "leeway/io/model.hpp"
 
 #include <set>
@@ -38,6 +39,10 @@ public:
 	/// @param shapes poses in the object's frame @throws Error if an object or a link has the name, or a pose is not a
 	/// rotation
 	Checker add( const std::string& object, const std::vector<PlacedShape>& shapes, const lw_transform& world_from_object );
+	/// A live cloud as it is now becomes the object of this name, or replaces what it was at the call before; contacts and margins of the name
+	/// stay. Cost: that of lw_cloud_scene() and of lw_checker_edit(). @throws Error if an object of another kind or a link has the
+	/// name, or the cloud has lost points
+	Checker see( const std::string& object, Cloud& cloud );
 	/// Removes an object from the world; an attached object is detached first. @throws Error
 	Checker remove( const std::string& object );
 	/// Attaches an object to a link at the pose that it has in this state of the group. It may touch the link and the touch

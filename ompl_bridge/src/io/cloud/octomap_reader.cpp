@@ -146,10 +146,12 @@ public:
 	{
 	}
 
-	void addOccupied()
+	/// And free cells, if they are asked for.
+	void addOccupied( bool with_free )
 	{
 		m_low.fill( half_edge );
 		m_high.fill( -half_edge );
+		m_with_free = with_free;
 		occupied( *m_tree.getRoot(), root_cell );
 		m_out.occupied = m_out.boxes.size() / 6;
 	}
@@ -195,6 +197,12 @@ private:
 			{
 				add( box( cell ) );
 			}
+			else if ( m_with_free )
+			{
+				const std::array<double, 6> corners = box( cell );
+				checkLimit( &Limits::points, m_out.free.size() / 6 + 1, "boxes", m_name, "" );
+				m_out.free.insert( m_out.free.end(), corners.begin(), corners.end() );
+			}
 			return;
 		}
 		for ( unsigned i = 0; i < 8; ++i )
@@ -234,6 +242,7 @@ private:
 	OctomapBoxes& m_out;
 	std::array<std::int32_t, 3> m_low{}, m_high{}; ///< of all known cells
 	std::array<double, 6> m_bounds{};
+	bool m_with_free = false;
 };
 
 template <typename Tree> OctomapBoxes readTree( const OctomapData& data, const OctomapUse& use, const std::string& name )
@@ -244,7 +253,7 @@ template <typename Tree> OctomapBoxes readTree( const OctomapData& data, const O
 	OctomapBoxes result;
 	result.resolution = data.resolution;
 	BoxCollector<Tree> collector( tree, name, result );
-	collector.addOccupied();
+	collector.addOccupied( use.list_free );
 	if ( use.unknown_is_occupied )
 	{
 		collector.addUnknown( use.bounds );

@@ -14,12 +14,14 @@ struct OctomapUse
 	/// Box (min x, y, z, max x, y, z; metres, map frame) within which unknown is occupied; without it, the box around all
 	/// known cells.
 	std::optional<std::array<double, 6>> bounds;
+	bool list_free = false; ///< free cells too
 };
 
 struct OctomapBoxes
 {
 	std::vector<double> boxes;             ///< [n][6]: min x, y, z, max x, y, z; metres, map frame
 	std::size_t occupied = 0, unknown = 0; ///< boxes of either kind, in this order
+	std::vector<double> free;              ///< free cells, if they are asked for
 	double resolution = 0;                 ///< edge of the smallest cells, metres
 };
 

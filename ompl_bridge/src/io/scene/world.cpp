@@ -22,6 +22,7 @@ struct Body
 	lw_transform pose; ///< world_from_object, or of the link it is attached to
 	std::string link;  ///< empty: in the world
 	std::set<std::string> touch_links;
+	bool is_cloud = false; ///< its shapes are in the scene only
 };
 
 std::vector<lw_transform> placed( const Body& body )
@@ -53,10 +54,14 @@ struct World::State
 	/// Throws an Error about an object unless the core is content.
 	void require( lw_status status, const lw_diag& diag, const std::string& object, const char* remedy ) const;
 	const Body& body( const std::string& object ) const;
+	/// The same, but not of a cloud.
+	const Body& bodyThatMoves( const std::string& object ) const;
 	std::uint32_t linkOf( const std::string& object, const std::string& link ) const;
 	/// The problem at hand with another scene and robot, and a checker for them.
 	Checker next( const std::vector<lw_scene_change>& changes, Robot robot, const std::string& object,
 	    const std::map<std::string, Body>& bodies );
+	Scene edited( const std::vector<lw_scene_change>& changes, const std::string& object ) const;
+	Checker nextIn( Scene scene, Robot robot, const std::string& object, const std::map<std::string, Body>& bodies );
 	Checker attach( const std::string& object, Body next_body );
 	lw_transform worldFromLink( const std::string& link, const std::vector<double>& state ) const;
 	std::vector<lw_link_object_pair> allowedPairs(
@@ -130,6 +135,16 @@ const Body& World::State::body( const std::string& object ) const
 		throw Error( file, "object " + object, "there is no such object", "add it first" );
 	}
 	return found->second;
+}
+
+const Body& World::State::bodyThatMoves( const std::string& object ) const
+{
+	const Body& found = body( object );
+	if ( found.is_cloud )
+	{
+		throw Error( file, "object " + object, "is a live cloud, which stands where its sensors saw it", "see() renews it" );
+	}
+	return found;
 }
 
 std::uint32_t World::State::linkOf( const std::string& object, const std::string& link ) const
@@ -211,20 +226,33 @@ std::optional<detail::BoundMargins> World::State::bind(
 	return detail::bindMargins( there, next_problem, attached, {}, notices );
 }
 
+Scene World::State::edited( const std::vector<lw_scene_change>& changes, const std::string& object ) const
+{
+	if ( changes.empty() )
+	{
+		return problem->scene;
+	}
+	lw_diag diag{};
+	lw_scene* scene = nullptr;
+	require( lw_scene_edit( problem->scene.get(), changes.data(), static_cast<std::uint32_t>( changes.size() ), nullptr,
+	             &diag, &scene ),
+	    diag, object, "correct the change" );
+	return Scene::adopt( scene );
+}
+
 Checker World::State::next( const std::vector<lw_scene_change>& changes, Robot robot, const std::string& object,
     const std::map<std::string, Body>& next_bodies )
 {
+	return nextIn( edited( changes, object ), std::move( robot ), object, next_bodies );
+}
+
+Checker World::State::nextIn(
+    Scene scene, Robot robot, const std::string& object, const std::map<std::string, Body>& next_bodies )
+{
 	auto next_problem = std::make_shared<Problem>( *problem );
 	next_problem->robot = std::move( robot );
+	next_problem->scene = std::move( scene );
 	lw_diag diag{};
-	if ( !changes.empty() )
-	{
-		lw_scene* scene = nullptr;
-		require( lw_scene_edit( problem->scene.get(), changes.data(), static_cast<std::uint32_t>( changes.size() ), nullptr,
-		             &diag, &scene ),
-		    diag, object, "correct the change" );
-		next_problem->scene = Scene::adopt( scene );
-	}
 	next_problem->allowed = allowedPairs( *next_problem, next_bodies );
 	const std::vector<lw_link_object_pair>& pairs = next_problem->allowed;
 	const std::optional<detail::BoundMargins> bound = bind( *next_problem, next_bodies );
@@ -321,7 +349,7 @@ std::shared_ptr<const Problem> World::problem() const
 Checker World::move( const std::string& object, const lw_transform& world_from_object )
 {
 	const std::lock_guard<std::mutex> lock( m_state->mutex );
-	Body body = m_state->body( object );
+	Body body = m_state->bodyThatMoves( object );
 	if ( !body.link.empty() )
 	{
 		throw Error( m_state->file, "object " + object, "is attached to link " + body.link, "detach it before it is moved" );
@@ -359,6 +387,35 @@ Checker World::add(
 	return checker;
 }
 
+Checker World::see( const std::string& object, Cloud& cloud )
+{
+	const std::lock_guard<std::mutex> lock( m_state->mutex );
+	const auto known = m_state->bodies.find( object );
+	if ( ( known != m_state->bodies.end() && !known->second.is_cloud ) ||
+	     lw_robot_find_link( m_state->problem->robot.get(), object.c_str() ) != LW_INVALID_INDEX )
+	{
+		throw Error( m_state->file, "object " + object, "an object or a link has this name already",
+		    "remove that first, or choose another name" );
+	}
+	std::vector<lw_scene_change> changes;
+	if ( known != m_state->bodies.end() )
+	{
+		changes.push_back( { LW_SCENE_REMOVE, object.c_str(), nullptr, nullptr, 0 } );
+	}
+	const Scene base = m_state->edited( changes, object );
+	lw_scene* seen = nullptr;
+	lw_diag diag{};
+	m_state->require( lw_cloud_scene( cloud.get(), base.get(), object.c_str(), &diag, &seen ), diag, object,
+	    "clear the cloud and begin again, with more blocks" );
+	std::map<std::string, Body> bodies = m_state->bodies;
+	Body body{ {}, lw_transform_identity(), "", {} };
+	body.is_cloud = true;
+	bodies[object] = body;
+	Checker checker = m_state->nextIn( Scene::adopt( seen ), m_state->problem->robot, object, bodies );
+	m_state->bodies = std::move( bodies );
+	return checker;
+}
+
 Checker World::remove( const std::string& object )
 {
 	const std::lock_guard<std::mutex> lock( m_state->mutex );
@@ -388,7 +445,7 @@ Checker World::attach( const std::string& object, const std::string& link, const
     const std::vector<double>& state )
 {
 	const std::lock_guard<std::mutex> lock( m_state->mutex );
-	Body body = m_state->body( object );
+	Body body = m_state->bodyThatMoves( object );
 	if ( !body.link.empty() )
 	{
 		throw Error( m_state->file, "object " + object, "is attached to link " + body.link + " already", "detach it first" );
@@ -406,7 +463,7 @@ Checker World::attachAt( const std::string& object, const std::string& link, con
     const lw_transform& link_from_object )
 {
 	const std::lock_guard<std::mutex> lock( m_state->mutex );
-	Body body = m_state->body( object );
+	Body body = m_state->bodyThatMoves( object );
 	if ( !body.link.empty() )
 	{
 		throw Error( m_state->file, "object " + object, "is attached to link " + body.link + " already", "detach it first" );

@@ -1,0 +1,430 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A live cloud: frames of a simulated depth camera into voxels, scenes and checkers of them; octomap and a k-d tree on the same frames.
+//
+// Panda in a room of 4 x 4 x 2.4 m with a scene of MotionBenchMaker; a ball flies about. The camera looks round, so that the whole room is resident, and then
+// follows the robot. Processor time of the thread. octomap inserts the same points at the same resolution by insertPointCloud(), as it is and
+// discretized; nanoflann builds its k-d tree of the points of the frame. States and edges are asked of the cloud's scene and of one point set of all its voxels.
+// Exit status 1 if a point of a frame is in no occupied voxel, or an answer of the two scenes differs.
+#include "programs/commands.hpp"
+#include "support/depth_camera.hpp"
+#include "support/edge_worlds.hpp"
+#include "support/provenance.hpp"
+#include "support/race.hpp"
+
+#include "seeded_rng.hpp"
+
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <nanoflann.hpp>
+#include <octomap/octomap.h>
+
+namespace
+{
+
+struct Settings
+{
+	std::string data = LEEWAY_DATA_DIR;
+	int frames = 150, peer_frames = 8, states = 400;
+	double resolution = 0.01, noise = 0.001;
+	std::uint64_t seed = 20260101;
+	bool quick = false;
+};
+
+struct CloudReleaser
+{
+	void operator()( lw_cloud* cloud ) const { lw_cloud_destroy( cloud ); }
+};
+
+double microseconds( const std::function<void()>& work )
+{
+	timespec begin = {}, end = {};
+	clock_gettime( CLOCK_THREAD_CPUTIME_ID, &begin );
+	work();
+	clock_gettime( CLOCK_THREAD_CPUTIME_ID, &end );
+	return 1e6 * static_cast<double>( end.tv_sec - begin.tv_sec ) +
+	       1e-3 * static_cast<double>( end.tv_nsec - begin.tv_nsec );
+}
+
+/// Something that the camera sees.
+struct Seen
+{
+	TriangleList triangles;
+	lw_transform pose;
+	std::uint32_t link; ///< of the robot; LW_INVALID_INDEX: it stands
+};
+
+lw_transform cameraAt( const std::array<double, 3>& eye, double yaw, double pitch )
+{
+	const double cp = std::cos( pitch ), sp = std::sin( pitch ), cy = std::cos( yaw ), sy = std::sin( yaw );
+	return { { { sy, -cy * sp, cy * cp }, { -cy, -sy * sp, sy * cp }, { 0, -cp, -sp } }, { eye[0], eye[1], eye[2] } };
+}
+
+lw_shape* boxShape( double x, double y, double z )
+{
+	const double size[3] = { x, y, z };
+	lw_shape* shape = nullptr;
+	leeway::require( lw_shape_create_primitive( LW_SHAPE_BOX, size, nullptr, nullptr, &shape ), "box" );
+	return shape;
+}
+
+class Room
+{
+public:
+	Room( const EdgeWorld& world, const Settings& settings )
+	    : m_world( world ), m_settings( settings ), m_rng( std::mt19937_64( settings.seed ) ), m_camera( 366, 274, 300 )
+	{
+		for ( std::uint32_t i = 0; i < lw_scene_shape_count( world.scene.get() ); ++i )
+		{
+			const lw_scene_shape_def def = lw_scene_shape( world.scene.get(), i );
+			m_seen.push_back( { trianglesOf( def.shape ), def.world_from_shape, LW_INVALID_INDEX } );
+		}
+		for ( std::uint32_t i = 0; i < lw_robot_body_count( world.robot.get() ); ++i )
+		{
+			const lw_body_def body = lw_robot_body( world.robot.get(), i );
+			m_seen.push_back( { trianglesOf( body.shape ), body.link_from_shape, body.link } );
+		}
+		const double walls[6][6] = { { -2, 0, 0.7, 0.02, 4, 2.4 }, { 2, 0, 0.7, 0.02, 4, 2.4 }, { 0, -2, 0.7, 4, 0.02, 2.4 },
+		    { 0, 2, 0.7, 4, 0.02, 2.4 }, { 0, 0, -0.5, 4, 4, 0.02 }, { 0, 0, 1.9, 4, 4, 0.02 } };
+		for ( const double* w : walls )
+		{
+			const leeway::Shape shape = leeway::Shape::adopt( boxShape( w[3], w[4], w[5] ) );
+			lw_transform pose = lw_transform_identity();
+			std::copy( w, w + 3, pose.t );
+			m_seen.push_back( { trianglesOf( shape.get() ), pose, LW_INVALID_INDEX } );
+		}
+		const double radius[3] = { 0.1, 0, 0 };
+		lw_shape* ball = nullptr;
+		leeway::require( lw_shape_create_primitive( LW_SHAPE_SPHERE, radius, nullptr, nullptr, &ball ), "ball" );
+		m_ball = trianglesOf( ball );
+		lw_shape_release( ball );
+	}
+
+	/// A frame at a time; the robot is in the state `full`.
+	std::vector<float> look( double time, const lw_transform& camera, const std::vector<double>& full )
+	{
+		std::vector<lw_transform> links( lw_robot_link_count( m_world.robot.get() ) );
+		leeway::require( lw_robot_fk( m_world.robot.get(), full.data(), links.data() ), "lw_robot_fk" );
+		m_camera.begin();
+		for ( const Seen& seen : m_seen )
+		{
+			const lw_transform pose =
+			    seen.link == LW_INVALID_INDEX ? seen.pose : lw_transform_multiply( &links[seen.link], &seen.pose );
+			m_camera.draw( seen.triangles, pose, camera );
+		}
+		lw_transform ball = lw_transform_identity();
+		ball.t[0] = 0.9;
+		ball.t[1] = 0.9 * std::sin( 1.3 * time );
+		ball.t[2] = 0.5 + 0.4 * std::cos( time );
+		m_camera.draw( m_ball, ball, camera );
+		std::vector<float> depths = m_camera.image();
+		for ( float& z : depths )
+		{
+			z += z > 0 ? static_cast<float>( m_settings.noise * z * m_rng.normal() ) : 0.0f;
+		}
+		return depths;
+	}
+	const DepthCamera& camera() const { return m_camera; }
+	SeededRng& rng() { return m_rng; }
+
+private:
+	const EdgeWorld& m_world;
+	const Settings& m_settings;
+	SeededRng m_rng;
+	DepthCamera m_camera;
+	std::vector<Seen> m_seen;
+	TriangleList m_ball;
+};
+
+/// The points of an image, world.
+std::vector<float> pointsOf( const std::vector<float>& depths, const lw_cloud_depth& lens, const lw_transform& camera )
+{
+	std::vector<float> points;
+	for ( std::uint32_t i = 0; i < depths.size(); ++i )
+	{
+		const double z = static_cast<double>( depths[i] );
+		const lw_vec3 p = lw_transform_point(
+		    &camera, { ( i % lens.width - lens.cx ) / lens.fx * z, ( i / lens.width - lens.cy ) / lens.fy * z, z } );
+		if ( z > 0 )
+		{
+			points.insert(
+			    points.end(), { static_cast<float>( p.x ), static_cast<float>( p.y ), static_cast<float>( p.z ) } );
+		}
+	}
+	return points;
+}
+
+/// nanoflann's view of points.
+struct PointList
+{
+	const std::vector<float>& numbers;
+	std::size_t kdtree_get_point_count() const { return numbers.size() / 3; }
+	float kdtree_get_pt( std::size_t i, std::size_t axis ) const { return numbers[3 * i + axis]; }
+	template <typename Box> bool kdtree_get_bbox( Box& ) const { return false; }
+};
+using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, PointList>, PointList, 3>;
+
+struct Times
+{
+	std::map<std::string, std::vector<double>> of;
+	Hash hash;
+	std::size_t missing = 0, differing = 0;
+};
+
+using CloudPtr = std::unique_ptr<lw_cloud, CloudReleaser>;
+
+CloudPtr makeCloud( const Settings& settings, bool blocked )
+{
+	lw_cloud_def def = lw_cloud_def_default();
+	def.resolution = settings.resolution;
+	def.unseen_blocked = blocked;
+	def.clear_margin = 0.02;
+	def.shadow = 0.03;
+	def.most_blocks = 1u << 20;
+	const double low[3] = { -2.1, -2.1, -0.6 }, high[3] = { 2.1, 2.1, 2 };
+	std::copy( low, low + 3, def.box_min );
+	std::copy( high, high + 3, def.box_max );
+	lw_cloud* cloud = nullptr;
+	lw_diag diag = {};
+	leeway::require( lw_cloud_create( &def, nullptr, &diag, &cloud ), diag );
+	return CloudPtr( cloud );
+}
+
+void insert( lw_cloud* cloud, const lw_cloud_frame& frame, lw_cloud_report* report )
+{
+	lw_diag diag = {};
+	leeway::require( lw_cloud_insert( cloud, &frame, &diag, report ), diag );
+}
+
+/// octomap and nanoflann on the points of a frame.
+void askPeers( const std::vector<float>& points, const lw_transform& camera, octomap::OcTree& plain,
+    octomap::OcTree& discretized, Times& times )
+{
+	octomap::Pointcloud cloud;
+	for ( std::size_t i = 0; i < points.size(); i += 3 )
+	{
+		cloud.push_back( points[i], points[i + 1], points[i + 2] );
+	}
+	const octomap::point3d origin(
+	    static_cast<float>( camera.t[0] ), static_cast<float>( camera.t[1] ), static_cast<float>( camera.t[2] ) );
+	times.of["octomap insertPointCloud"].push_back( microseconds( [&] { plain.insertPointCloud( cloud, origin ); } ) );
+	times.of["octomap, discretized"].push_back(
+	    microseconds( [&] { discretized.insertPointCloud( cloud, origin, -1, false, true ); } ) );
+	const PointList list{ points };
+	times.of["nanoflann k-d tree"].push_back( microseconds( [&] { KdTree tree( 3, list ); } ) );
+}
+
+/// The voxels as one point set.
+leeway::Scene oneSetOf( const lw_cloud* cloud )
+{
+	std::vector<double> centers( 3 * lw_cloud_voxels( cloud, LW_VOXEL_OCCUPIED, nullptr, 0 ) );
+	lw_cloud_voxels( cloud, LW_VOXEL_OCCUPIED, centers.data(), centers.size() / 3 );
+	lw_shape* shape = nullptr;
+	const double radius = 0.5 * std::sqrt( 3.0 ) * lw_cloud_get_info( cloud ).resolution;
+	leeway::require( lw_shape_create_points( centers.data(), static_cast<std::uint32_t>( centers.size() / 3 ), radius,
+	                     nullptr, nullptr, nullptr, &shape ),
+	    "lw_shape_create_points" );
+	const leeway::Shape owner = leeway::Shape::adopt( shape );
+	const char* name = "cloud";
+	const lw_scene_shape_def placed = { shape, 0, lw_transform_identity() };
+	lw_scene_def def = lw_scene_def_default();
+	def.object_names = &name;
+	def.object_count = 1;
+	def.shapes = &placed;
+	def.shape_count = 1;
+	lw_scene* scene = nullptr;
+	leeway::require( lw_scene_create( &def, nullptr, nullptr, &scene ), "lw_scene_create" );
+	return leeway::Scene::adopt( scene );
+}
+
+leeway::Checker edited( const leeway::Checker& checker, const lw_scene* scene )
+{
+	lw_checker_edit_def def = lw_checker_edit_def_default();
+	def.scene = scene;
+	lw_checker* out = nullptr;
+	leeway::require( lw_checker_edit( checker.get(), &def, nullptr, nullptr, &out ), "lw_checker_edit" );
+	return leeway::Checker::adopt( out );
+}
+
+/// The same states and edges of both checkers, taking turns.
+void askStates( const EdgeWorld& world, const leeway::Checker& chunks, const leeway::Checker& one, int states,
+    SeededRng& rng, Times& times )
+{
+	const leeway::Query queries[2] = { leeway::makeQuery( chunks.get() ), leeway::makeQuery( one.get() ) };
+	const lw_checker* checkers[2] = { chunks.get(), one.get() };
+	const char* names[2] = { "of the cloud", "of one point set" };
+	const std::uint32_t count = lw_checker_variable_count( chunks.get() );
+	std::vector<double> last;
+	for ( int i = 0; i < states; ++i )
+	{
+		std::vector<double> q( count );
+		for ( std::uint32_t k = 0; k < count; ++k )
+		{
+			const lw_variable_info info = lw_robot_variable( world.robot.get(), world.variables[k] );
+			q[k] = rng.uniform( info.lower, info.upper );
+		}
+		double uppers[2];
+		for ( const int k : { i % 2, 1 - i % 2 } )
+		{
+			lw_state_result exact;
+			times.of[std::string( "clearance " ) + names[k]].push_back( microseconds(
+			    [&]
+			    {
+				    leeway::require( lw_checker_state( checkers[k], queries[k].get(), q.data(), LW_CHECK_ENVIRONMENT,
+				                         nullptr, false, &exact ),
+				        "lw_checker_state" );
+			    } ) );
+			uppers[k] = exact.environment.upper;
+			if ( !last.empty() )
+			{
+				const lw_edge_def def = lw_edge_def_default();
+				lw_edge_result edge;
+				times.of[std::string( "edge " ) + names[k]].push_back( microseconds(
+				    [&] {
+					    leeway::require(
+					        lw_checker_edge( checkers[k], queries[k].get(), last.data(), q.data(), &def, &edge ), "edge" );
+				    } ) );
+			}
+		}
+		times.differing += std::abs( uppers[0] - uppers[1] ) > 1e-6 ? 1 : 0;
+		times.hash.add( static_cast<std::int64_t>( std::lround( 1e6 * uppers[0] ) ) );
+		last = q;
+	}
+}
+
+int report( const Times& times, const lw_cloud_info& info, Result& result )
+{
+	std::printf( "%llu voxels, %u blocks, %u shapes, %.0f MB; %zu points without a voxel, %zu answers that differ\n",
+	    static_cast<unsigned long long>( info.occupied ), info.blocks, info.shapes, static_cast<double>( info.bytes ) / 1e6,
+	    times.missing, times.differing );
+	const double base = summarise( times.of.at( "insert a depth image" ) ).median;
+	for ( const auto& [what, values] : times.of )
+	{
+		std::vector<double> sorted = values;
+		std::sort( sorted.begin(), sorted.end() );
+		const double p99 = sorted[sorted.size() - 1 - sorted.size() / 100];
+		const Summary s = summarise( values );
+		std::printf(
+		    "  %-34s us: median %10.1f, 99 %% %10.1f, ratio %8.2f\n", what.c_str(), s.median, p99, s.median / base );
+		Json row = { { "what", what }, { "p99_us", rounded( p99 ) }, { "ratio", rounded( s.median / base ) },
+		    { "voxels", info.occupied }, { "shapes", info.shapes }, { "answers_hash", times.hash.text() } };
+		row.update( toJson( s ) );
+		result.add( std::move( row ) );
+	}
+	return times.missing == 0 && times.differing == 0 ? 0 : 1;
+}
+
+int run( const Settings& s, Result& result )
+{
+	lw_reach_def reach = lw_reach_def_default();
+	reach.seconds = 2;
+	EdgeWorlds worlds( s.data, reach );
+	worlds.addMbm( "panda", "panda_arm", { 1 }, "bookshelf_small" );
+	const EdgeWorld& world = worlds.world( 0 );
+	Room room( world, s );
+	const CloudPtr cloud = makeCloud( s, false ), as_points = makeCloud( s, false ), blocked = makeCloud( s, true );
+	octomap::OcTree plain( s.resolution ), discretized( s.resolution );
+	Times times;
+	leeway::Checker checker = edited( world.with_tables, nullptr );
+	const int warm = s.quick ? 6 : 60, frames = s.quick ? 6 : s.frames, blocked_from = warm + ( s.quick ? 3 : 30 );
+	std::vector<double> full = world.reference;
+	for ( int k = 0; k < warm + frames; ++k )
+	{
+		// first it looks all around and up and down, then it follows the robot
+		const double time = k / 30.0;
+		const lw_transform camera =
+		    k < warm
+		        ? cameraAt( { -0.9 + 1.8 * ( k % 2 ), 0.9 - 1.8 * ( k / 2 % 2 ), 0.9 }, 2.4 * k, -0.7 + 0.35 * ( k % 5 ) )
+		        : cameraAt( { -1.2, 0.3 * std::sin( time ), 0.9 }, 0.4 * std::sin( 0.7 * time ), 0.3 );
+		for ( std::uint32_t i = 0; i < world.variables.size(); ++i )
+		{
+			full[world.variables[i]] = world.reference[world.variables[i]] + 0.3 * std::sin( time + i );
+		}
+		const std::vector<float> depths = room.look( time, camera, full );
+		lw_cloud_frame frame = lw_cloud_frame_default();
+		frame.stamp = 1 + time;
+		frame.world_from_sensor = camera;
+		frame.far = 8;
+		frame.depth = room.camera().layout();
+		frame.depth.data = depths.data();
+		frame.robot = world.robot.get();
+		frame.state = full.data();
+		lw_cloud_report counts;
+		const double inserted = microseconds( [&] { insert( cloud.get(), frame, &counts ); } );
+		lw_scene* scene = nullptr;
+		const double scened = microseconds(
+		    [&] { leeway::require( lw_cloud_scene( cloud.get(), nullptr, "cloud", nullptr, &scene ), "lw_cloud_scene" ); } );
+		const leeway::Scene owner = leeway::Scene::adopt( scene );
+		leeway::Checker next;
+		const double checked = microseconds( [&] { next = edited( checker, scene ); } );
+		checker = next;
+		const std::vector<float> points = pointsOf( depths, frame.depth, camera );
+		lw_cloud_frame listed = frame;
+		listed.depth.data = nullptr;
+		listed.points = {
+		    points.data(), static_cast<std::uint32_t>( points.size() / 3 ), 1, 12, 0, { 0, 4, 8 }, false, false, true };
+		lw_cloud_report point_counts;
+		const double inserted_points = microseconds( [&] { insert( as_points.get(), listed, &point_counts ); } );
+		if ( k >= warm )
+		{
+			times.of["insert a depth image"].push_back( inserted );
+			times.of["insert points"].push_back( inserted_points );
+			times.of["scene"].push_back( scened );
+			times.of["edit of the checker"].push_back( checked );
+		}
+		times.hash.add( counts.added );
+		times.hash.add( counts.cleared );
+		times.hash.add( point_counts.cleared );
+		times.missing += counts.inserted + counts.own + counts.outside + counts.not_measured != depths.size() ? 1 : 0;
+		for ( std::size_t i = 0; i < points.size(); i += 3 )
+		{
+			const lw_vec3 p = { points[i], points[i + 1], points[i + 2] };
+			times.missing += point_counts.own == 0 && point_counts.outside == 0 &&
+			                 lw_cloud_state( as_points.get(), p ) != LW_VOXEL_OCCUPIED;
+		}
+		if ( k >= warm && k < warm + s.peer_frames )
+		{
+			askPeers( points, camera, plain, discretized, times );
+		}
+		// a camera that begins in an unseen room
+		const double uncovering = k >= warm ? microseconds( [&] { insert( blocked.get(), frame, nullptr ); } ) : 0;
+		lw_scene* unseen = nullptr;
+		const double unseen_scene =
+		    k >= warm
+		        ? microseconds( [&]
+		              { leeway::require( lw_cloud_scene( blocked.get(), nullptr, "cloud", nullptr, &unseen ), "scene" ); } )
+		        : 0;
+		lw_scene_release( unseen );
+		if ( k >= blocked_from )
+		{
+			times.of["insert, unseen is blocked"].push_back( uncovering );
+			times.of["scene, unseen is blocked"].push_back( unseen_scene );
+		}
+	}
+	const leeway::Checker one = edited( checker, oneSetOf( cloud.get() ).get() );
+	askStates( world, checker, one, s.quick ? 40 : s.states, room.rng(), times );
+	return report( times, lw_cloud_get_info( cloud.get() ), result );
+}
+
+} // namespace
+
+void addLive( Bench& bench )
+{
+	const auto s = std::make_shared<Settings>();
+	Command& command =
+	    bench.command( "live", "frames of a depth camera into a live cloud; octomap and a k-d tree of the same frames" );
+	command.option( "--data", s->data, "folder with mbm" );
+	command.option( "--frames", s->frames, "that are measured", { 1, 1000000 } );
+	command.option( "--peer-frames", s->peer_frames, "of these for octomap, which is slow", { 1, 1000000 } );
+	command.option( "--states", s->states, "states and edges", { 1, 1000000 } );
+	command.option( "--resolution", s->resolution, "edge of a voxel, metres", { 1e-3, 1.0 } );
+	command.option( "--noise", s->noise, "of depths, standard deviation at 1 m, metres", { 0.0, 1.0 } );
+	command.option( "--seed", s->seed, "of noise and states" );
+	command.flag( "--quick", s->quick, "few frames and states: for agreement, not for figures" );
+	command.work(
+	    [s]( Result& result )
+	    {
+		    requireData( s->data, "mbm" );
+		    return run( *s, result );
+	    } );
+}
