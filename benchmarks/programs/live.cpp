@@ -314,96 +314,121 @@ int report( const Times& times, const lw_cloud_info& info, Result& result )
 	return times.missing == 0 && times.differing == 0 ? 0 : 1;
 }
 
+/// The clouds that take the frames, and the checker that follows.
+struct Run
+{
+	Run( const EdgeWorld& of, const Settings& s )
+	    : settings( s ), world( of ), room( of, s ), cloud( makeCloud( s, false ) ), as_points( makeCloud( s, false ) ),
+	      blocked( makeCloud( s, true ) ), plain( s.resolution ), discretized( s.resolution ),
+	      checker( edited( of.with_tables, nullptr ) ), full( of.reference )
+	{
+	}
+	const Settings& settings;
+	const EdgeWorld& world;
+	Room room;
+	CloudPtr cloud, as_points, blocked;
+	octomap::OcTree plain, discretized;
+	leeway::Checker checker;
+	std::vector<double> full;
+	Times times;
+};
+
+void note( Times& times, bool measured, const char* what, double value )
+{
+	if ( measured )
+	{
+		times.of[what].push_back( value );
+	}
+}
+
+leeway::Scene sceneOf( lw_cloud* cloud )
+{
+	lw_scene* scene = nullptr;
+	leeway::require( lw_cloud_scene( cloud, nullptr, "cloud", nullptr, &scene ), "lw_cloud_scene" );
+	return leeway::Scene::adopt( scene );
+}
+
+/// The same frame as a depth image and as points.
+void takeFrame( Run& run, const lw_cloud_frame& frame, const std::vector<float>& points, bool measured )
+{
+	Times& times = run.times;
+	lw_cloud_report counts = {}, point_counts = {};
+	note( times, measured, "insert a depth image", microseconds( [&] { insert( run.cloud.get(), frame, &counts ); } ) );
+	leeway::Scene scene;
+	note( times, measured, "scene", microseconds( [&] { scene = sceneOf( run.cloud.get() ); } ) );
+	leeway::Checker next;
+	note( times, measured, "edit of the checker", microseconds( [&] { next = edited( run.checker, scene.get() ); } ) );
+	run.checker = next;
+	lw_cloud_frame listed = frame;
+	listed.depth.data = nullptr;
+	listed.points = {
+	    points.data(), static_cast<std::uint32_t>( points.size() / 3 ), 1, 12, 0, { 0, 4, 8 }, false, false, true };
+	note( times, measured, "insert points", microseconds( [&] { insert( run.as_points.get(), listed, &point_counts ); } ) );
+	const std::size_t pixels = static_cast<std::size_t>( frame.depth.width ) * frame.depth.height;
+	times.missing += counts.inserted + counts.own + counts.outside + counts.not_measured != pixels ? 1 : 0;
+	for ( std::size_t i = 0; i < points.size() && point_counts.own + point_counts.outside == 0; i += 3 )
+	{
+		const lw_vec3 p = { points[i], points[i + 1], points[i + 2] };
+		times.missing += lw_cloud_state( run.as_points.get(), p ) != LW_VOXEL_OCCUPIED;
+	}
+	for ( const std::uint32_t count : { counts.added, counts.cleared, point_counts.cleared } )
+	{
+		times.hash.add( count );
+	}
+}
+
+/// Frame number k: first the camera looks all around and up and down, then it follows the robot.
+void drive( Run& run, int k, int warm, int settled )
+{
+	const double time = k / 30.0;
+	const lw_transform camera =
+	    k < warm ? cameraAt( { -0.9 + 1.8 * ( k % 2 ), 0.9 - 1.8 * ( k / 2 % 2 ), 0.9 }, 2.4 * k, -0.7 + 0.35 * ( k % 5 ) )
+	             : cameraAt( { -1.2, 0.3 * std::sin( time ), 0.9 }, 0.4 * std::sin( 0.7 * time ), 0.3 );
+	const EdgeWorld& world = run.world;
+	for ( std::uint32_t i = 0; i < world.variables.size(); ++i )
+	{
+		run.full[world.variables[i]] = world.reference[world.variables[i]] + 0.3 * std::sin( time + i );
+	}
+	const std::vector<float> depths = run.room.look( time, camera, run.full );
+	lw_cloud_frame frame = lw_cloud_frame_default();
+	frame.stamp = 1 + time;
+	frame.world_from_sensor = camera;
+	frame.far = 8;
+	frame.depth = run.room.camera().layout();
+	frame.depth.data = depths.data();
+	frame.robot = world.robot.get();
+	frame.state = run.full.data();
+	const std::vector<float> points = pointsOf( depths, frame.depth, camera );
+	takeFrame( run, frame, points, k >= warm );
+	if ( k < warm )
+	{
+		return;
+	}
+	if ( k < warm + run.settings.peer_frames )
+	{
+		askPeers( points, camera, run.plain, run.discretized, run.times );
+	}
+	// a camera that begins in an unseen room, measured when it has looked about for a second
+	note( run.times, k >= settled, "insert, unseen is blocked",
+	    microseconds( [&] { insert( run.blocked.get(), frame, nullptr ); } ) );
+	note( run.times, k >= settled, "scene, unseen is blocked", microseconds( [&] { sceneOf( run.blocked.get() ); } ) );
+}
+
 int run( const Settings& s, Result& result )
 {
 	lw_reach_def reach = lw_reach_def_default();
 	reach.seconds = 2;
 	EdgeWorlds worlds( s.data, reach );
 	worlds.addMbm( "panda", "panda_arm", { 1 }, "bookshelf_small" );
-	const EdgeWorld& world = worlds.world( 0 );
-	Room room( world, s );
-	const CloudPtr cloud = makeCloud( s, false ), as_points = makeCloud( s, false ), blocked = makeCloud( s, true );
-	octomap::OcTree plain( s.resolution ), discretized( s.resolution );
-	Times times;
-	leeway::Checker checker = edited( world.with_tables, nullptr );
-	const int warm = s.quick ? 6 : 60, frames = s.quick ? 6 : s.frames, blocked_from = warm + ( s.quick ? 3 : 30 );
-	std::vector<double> full = world.reference;
+	Run all( worlds.world( 0 ), s );
+	const int warm = s.quick ? 6 : 60, frames = s.quick ? 6 : s.frames;
 	for ( int k = 0; k < warm + frames; ++k )
 	{
-		// first it looks all around and up and down, then it follows the robot
-		const double time = k / 30.0;
-		const lw_transform camera =
-		    k < warm
-		        ? cameraAt( { -0.9 + 1.8 * ( k % 2 ), 0.9 - 1.8 * ( k / 2 % 2 ), 0.9 }, 2.4 * k, -0.7 + 0.35 * ( k % 5 ) )
-		        : cameraAt( { -1.2, 0.3 * std::sin( time ), 0.9 }, 0.4 * std::sin( 0.7 * time ), 0.3 );
-		for ( std::uint32_t i = 0; i < world.variables.size(); ++i )
-		{
-			full[world.variables[i]] = world.reference[world.variables[i]] + 0.3 * std::sin( time + i );
-		}
-		const std::vector<float> depths = room.look( time, camera, full );
-		lw_cloud_frame frame = lw_cloud_frame_default();
-		frame.stamp = 1 + time;
-		frame.world_from_sensor = camera;
-		frame.far = 8;
-		frame.depth = room.camera().layout();
-		frame.depth.data = depths.data();
-		frame.robot = world.robot.get();
-		frame.state = full.data();
-		lw_cloud_report counts;
-		const double inserted = microseconds( [&] { insert( cloud.get(), frame, &counts ); } );
-		lw_scene* scene = nullptr;
-		const double scened = microseconds(
-		    [&] { leeway::require( lw_cloud_scene( cloud.get(), nullptr, "cloud", nullptr, &scene ), "lw_cloud_scene" ); } );
-		const leeway::Scene owner = leeway::Scene::adopt( scene );
-		leeway::Checker next;
-		const double checked = microseconds( [&] { next = edited( checker, scene ); } );
-		checker = next;
-		const std::vector<float> points = pointsOf( depths, frame.depth, camera );
-		lw_cloud_frame listed = frame;
-		listed.depth.data = nullptr;
-		listed.points = {
-		    points.data(), static_cast<std::uint32_t>( points.size() / 3 ), 1, 12, 0, { 0, 4, 8 }, false, false, true };
-		lw_cloud_report point_counts;
-		const double inserted_points = microseconds( [&] { insert( as_points.get(), listed, &point_counts ); } );
-		if ( k >= warm )
-		{
-			times.of["insert a depth image"].push_back( inserted );
-			times.of["insert points"].push_back( inserted_points );
-			times.of["scene"].push_back( scened );
-			times.of["edit of the checker"].push_back( checked );
-		}
-		times.hash.add( counts.added );
-		times.hash.add( counts.cleared );
-		times.hash.add( point_counts.cleared );
-		times.missing += counts.inserted + counts.own + counts.outside + counts.not_measured != depths.size() ? 1 : 0;
-		for ( std::size_t i = 0; i < points.size(); i += 3 )
-		{
-			const lw_vec3 p = { points[i], points[i + 1], points[i + 2] };
-			times.missing += point_counts.own == 0 && point_counts.outside == 0 &&
-			                 lw_cloud_state( as_points.get(), p ) != LW_VOXEL_OCCUPIED;
-		}
-		if ( k >= warm && k < warm + s.peer_frames )
-		{
-			askPeers( points, camera, plain, discretized, times );
-		}
-		// a camera that begins in an unseen room
-		const double uncovering = k >= warm ? microseconds( [&] { insert( blocked.get(), frame, nullptr ); } ) : 0;
-		lw_scene* unseen = nullptr;
-		const double unseen_scene =
-		    k >= warm
-		        ? microseconds( [&]
-		              { leeway::require( lw_cloud_scene( blocked.get(), nullptr, "cloud", nullptr, &unseen ), "scene" ); } )
-		        : 0;
-		lw_scene_release( unseen );
-		if ( k >= blocked_from )
-		{
-			times.of["insert, unseen is blocked"].push_back( uncovering );
-			times.of["scene, unseen is blocked"].push_back( unseen_scene );
-		}
+		drive( all, k, warm, warm + ( s.quick ? 3 : 30 ) );
 	}
-	const leeway::Checker one = edited( checker, oneSetOf( cloud.get() ).get() );
-	askStates( world, checker, one, s.quick ? 40 : s.states, room.rng(), times );
-	return report( times, lw_cloud_get_info( cloud.get() ), result );
+	const leeway::Checker one = edited( all.checker, oneSetOf( all.cloud.get() ).get() );
+	askStates( all.world, all.checker, one, s.quick ? 40 : s.states, all.room.rng(), all.times );
+	return report( all.times, lw_cloud_get_info( all.cloud.get() ), result );
 }
 
 } // namespace

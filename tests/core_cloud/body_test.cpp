@@ -102,7 +102,7 @@ TEST( CloudBody, APointOfTheBodyStaysOrAnObstacleGoes )
 	}
 }
 
-/// What the robot holds is part of it; without it the points are an obstacle.
+/// An object in the hand is part of the robot; without it the points are an obstacle.
 TEST( CloudBody, TheObjectInTheHandIsAnObstacle )
 {
 	const Arm arm;
@@ -129,7 +129,7 @@ TEST( CloudBody, TheObjectInTheHandIsAnObstacle )
 	EXPECT_EQ( insert( cloud.get(), frame.frame ).inserted, 1u );
 }
 
-/// The robot in front of an obstacle: its points clear what is before it, and nothing behind.
+/// The robot in front of an obstacle: its points clear voxels before it, and none behind.
 TEST( CloudBody, RaysGoThroughTheRobot )
 {
 	const Arm arm;

@@ -238,7 +238,7 @@ TEST( CloudRays, PointsClearWithoutARay )
 	EXPECT_GT( cleared, 100u );
 }
 
-/// In front of a wall all is cleared that is in the middle of the picture, but not what is near the wall.
+/// In front of a wall all is cleared in the middle of the picture, but nothing near the wall.
 TEST( CloudRays, FreeSpaceStaysOccupied )
 {
 	SeededRng rng( 20261204 );

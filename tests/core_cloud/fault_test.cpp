@@ -10,7 +10,7 @@ namespace
 
 constexpr double NOT_A_NUMBER = std::numeric_limits<double>::quiet_NaN();
 
-/// A camera that sees a wall behind all voxels: it clears what is in front of it.
+/// A camera that sees a wall behind all voxels: it clears all in front of it.
 struct Wall : DepthFrame
 {
 	explicit Wall( double stamp, const Point& eye = { -0.5, 0, 0 } )

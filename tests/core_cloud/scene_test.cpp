@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scenes of clouds: they contain every point, are no larger than stated, and share what did not change.
+// Scenes of clouds: they contain every point, are no larger than stated, and share unchanged shapes.
 #include "cloud_bench.hpp"
 #include "one_obstacle.hpp"
 #include "simple_shapes.hpp"

@@ -71,7 +71,7 @@ typedef struct lw_cloud_depth
 	double fx, fy, cx, cy; ///< pixels
 } lw_cloud_depth;
 
-/// What one sensor measured at one time. Make it with lw_cloud_frame_default(), and set points or depth.
+/// The measurements of one sensor at one time. Make it with lw_cloud_frame_default(), and set points or depth.
 typedef struct lw_cloud_frame
 {
 	uint32_t sensor; ///< below LW_CLOUD_SENSORS
@@ -79,10 +79,10 @@ typedef struct lw_cloud_frame
 	lw_transform world_from_sensor;
 	double near, far; ///< metres, 0 <= near < far. Depths or, of points, distances from the sensor. Nearer ones say nothing
 	bool trust_far;   ///< a depth beyond `far`, +infinity too, clears up to `far`. Else it says nothing
-	bool clears;      ///< rays clear what they passed. Else points are added only
+	bool clears;      ///< rays clear the voxels that they passed. Else points are added only
 	lw_cloud_points points; ///< data NULL: none
 	lw_cloud_depth depth;   ///< data NULL: none. One of both is set
-	const lw_robot* robot;  ///< with what it holds: its own body is left out. NULL: nothing is left out
+	const lw_robot* robot;  ///< with objects in its hand: its own body is left out. NULL: nothing is left out
 	const double* state;    ///< [variable_count] of the robot at the stamp
 	uint32_t cookie;
 } lw_cloud_frame;

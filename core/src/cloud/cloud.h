@@ -46,7 +46,7 @@ enum
 	LWI_SLAB_BLOCKS = 64
 };
 
-/// Memory of blocks; what each point of a frame needs is together.
+/// Memory of blocks. Each point of a frame needs the blocks themselves, few need stamps: they are apart.
 typedef struct lwi_slab
 {
 	lwi_block blocks[LWI_SLAB_BLOCKS];
@@ -135,6 +135,10 @@ static inline uint32_t lwi_blocks_in_use( const lw_cloud* cloud )
 {
 	return cloud->block_count - (uint32_t)cloud->free_blocks.count;
 }
+static inline size_t lwi_table_size( const lw_cloud* cloud )
+{
+	return (size_t)cloud->size[0] * cloud->size[1] * cloud->size[2];
+}
 static inline size_t lwi_table_place( const lw_cloud* cloud, const uint32_t chunk[3] )
 {
 	return ( (size_t)chunk[2] * cloud->size[1] + chunk[1] ) * cloud->size[0] + chunk[0];
@@ -166,7 +170,7 @@ void lwi_block_corner( const lw_cloud* cloud, size_t place, uint32_t block, int3
 /// Bits of a word whose voxels are in a range. @param corner first voxel of the block
 uint64_t lwi_range_bits( const int32_t low[3], const int32_t high[3], const int32_t corner[3], uint32_t word );
 
-/// Stamps of voxels: rounded up for hits, down for what clears them. Saturated, so that a late hit is never cleared.
+/// Stamps of voxels: rounded up for hits, down for rays. Saturated, so that a late hit is never cleared.
 uint32_t lwi_stamp_up( const lw_cloud* cloud, double stamp );
 uint32_t lwi_stamp_down( const lw_cloud* cloud, double stamp );
 void lwi_stamp_begin( lw_cloud* cloud, double stamp ); ///< of the first frame
@@ -245,7 +249,7 @@ enum
 	LWI_VIEW_LEVELS = 14
 };
 
-/// What a sensor saw, as a picture: pixel (u, v) looks along ((u - cx) / fx, (v - cy) / fy, 1) of the view's frame.
+/// The picture that a sensor saw: pixel (u, v) looks along ((u - cx) / fx, (v - cy) / fy, 1) of the view's frame.
 typedef struct lwi_view
 {
 	lw_transform view_from_world;

@@ -450,7 +450,7 @@ static void insert_depth( inserter* in, const lw_cloud_frame* frame, const rays_
 
 // ---- a frame ---------------------------------------------------------------------------------------------------------
 
-/// What a frame needs before anything changes.
+/// The needs of a frame, made before anything changes.
 typedef struct prepared
 {
 	lw_transform pose; ///< orthonormal

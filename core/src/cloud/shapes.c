@@ -433,7 +433,7 @@ lw_status lwi_unseen_shape( const lw_cloud* cloud, const lwi_chunk* chunk, lw_di
 lw_status lwi_far_unseen_shape( const lw_cloud* cloud, lw_diag* diag, lw_shape** out )
 {
 	*out = NULL;
-	const size_t places = (size_t)cloud->size[0] * cloud->size[1] * cloud->size[2];
+	const size_t places = lwi_table_size( cloud );
 	cells grid = { lwi_alloc( &cloud->allocator, places ), { cloud->size[0], cloud->size[1], cloud->size[2] } };
 	if ( grid.at == NULL )
 	{

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a sensor saw, as pictures with pyramids of least and greatest depths. A depth image is one; points are sorted into one that fits them,
+// Pictures that a sensor saw, with pyramids of least and greatest depths. A depth image is one; points are sorted into one that fits them,
 // or into the six sides of a cube around the sensor.
 #include "cloud/cloud.h"
 #include "base/math_inline.h"
