@@ -150,8 +150,7 @@ TEST_F( LiveClouds, AnOctomapLosesVoxels )
 			ASSERT_TRUE( node != nullptr && tree->isNodeOccupied( node ) );
 		}
 	}
-	EXPECT_NE(
-	    problemOf( [&] { Cloud( clouds( 0.05, true ) ).writeOctomap( path( "none/map.bt" ) ); } ).find( "written" ),
+	EXPECT_NE( problemOf( [&] { Cloud( clouds( 0.05, true ) ).writeOctomap( path( "none/map.bt" ) ); } ).find( "written" ),
 	    std::string::npos );
 }
 
