@@ -76,7 +76,7 @@ replay::Settings settingsOf(
 	return settings;
 }
 
-/// What the world was between its changes: a chapter each, with the robot every 20 ms.
+/// Each world between two changes is a chapter, with the robot every 20 ms.
 std::vector<PageInput> pagesOf(
     const GuardOptions& options, const Input& input, const replay::Result& result, const std::vector<Segment>& segments )
 {

@@ -629,7 +629,7 @@ TrajectorySettings trajectorySettings( const PlanOptions& options, const JointLi
 	return settings;
 }
 
-/// Says which joints keep an acceleration that nobody has given.
+/// Names the joints that keep an acceleration that nobody has given.
 void noteUsual( const MotionLimits& limits, Notices& notices )
 {
 	if ( !limits.usual.empty() )

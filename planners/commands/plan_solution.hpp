@@ -70,7 +70,7 @@ PageInput planPage(
     const PlanOptions& options, const Input& input, const Workbench& bench, const Solution& solution, const Audit& audit );
 /// Lines on a plan with a path.
 std::string summary( const PlanOptions& options, const Solution& solution );
-/// Prints which files a plan with a path does not write, and why.
+/// Names the files that a plan with a path does not write, and the reason.
 void tellWhatIsNotWritten( const Audit& audit, bool good, bool is_driven_free );
 /// Prints lines on a plan without one.
 void tellNoPath( const PlanOptions& options, const Workbench& bench, const Solution& solution );

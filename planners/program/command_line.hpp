@@ -7,7 +7,7 @@
 namespace leeway::cli
 {
 
-/// What each subcommand was given.
+/// The options of each subcommand.
 struct Commands
 {
 	InfoOptions info;

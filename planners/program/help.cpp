@@ -251,10 +251,13 @@ A line of the log is an object of JSON. t: seconds on the trajectory's clock, at
 (default t); and one of
   world: {collision_objects: [...]}   MoveIt's CollisionObjects in the planning frame, operation ADD (0), REMOVE (1) or MOVE (3)
   people: {collision_objects: [...]}  all of them; they replace those before
+  cloud: {resolution, box_min, box_max, shadow, unseen_blocked, sensor_error}   begins the object "cloud" of voxels, metres
+  frame: {depth: d.npy, camera: [fx, fy, cx, cy]} or {points: p.npy}, with pose (of the sensor), sensor (0 to 15), near, far
+                                      float arrays of NumPy, metres: [rows][columns], or [n][3] in the sensor's frame
   attach: OBJECT, link: LINK, touch_links: [LINK, ...]
   release: OBJECT
   nothing                             the world was looked at, and is as before
-A line that saw the world before what is known already is left out. After a line that does not fit the world, such as one that moves an object that
+A line with an older sight than the last one is left out. After a line that does not fit the world, such as one that moves an object that
 is not there, nothing is known until the next one. --profile: time,verdict,proved_until,stands,scale,age,microseconds.)" };
 
 const HelpText tune_help = {

@@ -11,7 +11,7 @@
 namespace leeway::referee
 {
 
-/// What makes an item fail.
+/// Reasons for an item to fail.
 enum class Policy
 {
 	proved,   ///< all but a proof: a collision, an open verdict, joint limits, gaps

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Lines of a log: see log.hpp. Objects are MoveIt's CollisionObjects, read as those of a scene.
+#include "referee/arrays.hpp"
 #include "replay/log.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <set>
 
@@ -49,6 +52,16 @@ public:
 			event.kind = kind == "world" ? Event::Kind::world : Event::Kind::people;
 			readObjects( line[kind], kind, event );
 		}
+		else if ( kind == "cloud" )
+		{
+			event.kind = Event::Kind::cloud;
+			readCloud( line[kind], event.cloud );
+		}
+		else if ( kind == "frame" )
+		{
+			event.kind = Event::Kind::frame;
+			readFrame( line[kind], event );
+		}
 		else if ( kind == "attach" || kind == "release" )
 		{
 			event.kind = kind == "attach" ? Event::Kind::attach : Event::Kind::release;
@@ -64,11 +77,11 @@ private:
 	{
 		throw io::Error( m_log.file, key.empty() ? m_element : m_element + ": " + key, problem, remedy );
 	}
-	/// The key that says what the line is about; empty: it only tells that all was seen. Others are known to go with it.
+	/// The key of the line's kind; empty: all was seen, and is as before. Keys that do not go with it are errors.
 	std::string kindOf( const json& line ) const
 	{
 		std::string kind;
-		for ( const char* one : { "world", "people", "attach", "release" } )
+		for ( const char* one : { "world", "people", "attach", "release", "cloud", "frame" } )
 		{
 			if ( line.contains( one ) )
 			{
@@ -85,7 +98,7 @@ private:
 			if ( key != kind && key != "t" && key != "seen" && !of_attach )
 			{
 				fail( key, "is unknown here",
-				    "a line has t, perhaps seen, and one of world, people, attach (with link) and release" );
+				    "a line has t, perhaps seen, and one of world, people, cloud, frame, attach (with link) and release" );
 			}
 		}
 		return kind;
@@ -118,6 +131,123 @@ private:
 			}
 			event.touch_links.push_back( name );
 		}
+	}
+	/// Numbers of a list. @param out [count]
+	void numbers( const json& object, const std::string& key, std::size_t count, double* out ) const
+	{
+		const json list = object.value( key, json() );
+		const bool right = list.is_array() && list.size() == count &&
+		                   std::all_of( list.begin(), list.end(), []( const json& one ) { return one.is_number(); } );
+		if ( !right )
+		{
+			fail( key, "is missing or no list of numbers", fmt::format( "give {} numbers", count ) );
+		}
+		for ( std::size_t i = 0; i < count; ++i )
+		{
+			out[i] = list[i];
+		}
+	}
+	void refuseUnknown( const json& object, const std::string& of, const std::set<std::string>& known ) const
+	{
+		if ( !object.is_object() )
+		{
+			fail( of, "is no object", "write {...}" );
+		}
+		for ( const auto& [key, value] : object.items() )
+		{
+			if ( known.count( key ) == 0 )
+			{
+				fail( key, "is unknown in " + of, "use " + fmt::format( "{}", fmt::join( known, ", " ) ) );
+			}
+		}
+	}
+	void readCloud( const json& cloud, lw_cloud_def& def ) const
+	{
+		refuseUnknown( cloud, "cloud", { "resolution", "box_min", "box_max", "shadow", "unseen_blocked", "sensor_error" } );
+		numbers( cloud, "box_min", 3, def.box_min );
+		numbers( cloud, "box_max", 3, def.box_max );
+		def.resolution = number( cloud, "resolution" );
+		def.shadow = cloud.contains( "shadow" ) ? number( cloud, "shadow" ) : def.shadow;
+		def.sensor_error = cloud.contains( "sensor_error" ) ? number( cloud, "sensor_error" ) : def.sensor_error;
+		if ( cloud.contains( "unseen_blocked" ) && !cloud["unseen_blocked"].is_boolean() )
+		{
+			fail( "unseen_blocked", "is no truth value", "write true or false" );
+		}
+		def.unseen_blocked = cloud.value( "unseen_blocked", false );
+	}
+	/// The array of a file beside the log.
+	std::vector<std::vector<double>> arrayOf( const json& frame, const std::string& key ) const
+	{
+		const std::string file = ( std::filesystem::path( m_log.file ).parent_path() / text_of( frame, key ) ).string();
+		std::vector<std::vector<std::vector<double>>> read = referee::readNpy( file );
+		if ( read.size() != 1 )
+		{
+			throw io::Error( file, "array", "has three dimensions", "write one array of two in a file" );
+		}
+		return std::move( read.front() );
+	}
+	void readFrame( const json& frame, Event& event )
+	{
+		refuseUnknown( frame, "frame", { "depth", "points", "camera", "pose", "sensor", "near", "far" } );
+		const bool is_depth = frame.contains( "depth" );
+		if ( is_depth == frame.contains( "points" ) )
+		{
+			fail( "frame", "has neither depth nor points, or both", "name one file of NumPy" );
+		}
+		const std::vector<std::vector<double>> rows = arrayOf( frame, is_depth ? "depth" : "points" );
+		const std::size_t width = rows.empty() ? 0 : rows.front().size();
+		if ( rows.empty() || ( !is_depth && width != 3 ) )
+		{
+			fail( "frame", "has an array of another shape", "write depths [rows][columns], or points [n][3]" );
+		}
+		for ( const std::vector<double>& row : rows )
+		{
+			event.measured.insert( event.measured.end(), row.begin(), row.end() );
+		}
+		const json object = { { "id", "sensor" }, { "pose", frame.value( "pose", json::object() ) } };
+		event.frame.world_from_sensor = poseOf( object );
+		event.frame.stamp = event.seen;
+		event.frame.sensor =
+		    frame.contains( "sensor" ) ? static_cast<std::uint32_t>( std::max( 0.0, number( frame, "sensor" ) ) ) : 0;
+		event.frame.near = frame.contains( "near" ) ? number( frame, "near" ) : event.frame.near;
+		event.frame.far = frame.contains( "far" ) ? number( frame, "far" ) : event.frame.far;
+		lay( frame, is_depth, rows.size(), width, event );
+	}
+	/// The layout of the frame's data.
+	void lay( const json& frame, bool is_depth, std::size_t height, std::size_t width, Event& event ) const
+	{
+		if ( is_depth )
+		{
+			double camera[4];
+			numbers( frame, "camera", 4, camera );
+			lw_cloud_depth& depth = event.frame.depth;
+			depth.width = static_cast<std::uint32_t>( width );
+			depth.height = static_cast<std::uint32_t>( height );
+			depth.row_step = width * sizeof( float );
+			depth.is_float = true;
+			depth.scale = 1;
+			depth.fx = camera[0];
+			depth.fy = camera[1];
+			depth.cx = camera[2];
+			depth.cy = camera[3];
+			return;
+		}
+		lw_cloud_points& points = event.frame.points;
+		points.width = static_cast<std::uint32_t>( height );
+		points.height = 1;
+		points.point_step = 3 * sizeof( float );
+		points.row_step = points.point_step * height;
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			points.offset[k] = k * sizeof( float );
+		}
+	}
+	/// The pose of an object, which has a shape only to have one.
+	lw_transform poseOf( json object )
+	{
+		object["primitives"] = json::array( { { { "type", "sphere" }, { "dimensions", { 1.0 } } } } );
+		object["primitive_poses"] = json::array( { { { "position", { 0, 0, 0 } }, { "orientation", { 0, 0, 0, 1 } } } } );
+		return parse( object ).pose;
 	}
 	/// Objects of a PlanningSceneWorld.
 	void readObjects( const json& world, const std::string& key, Event& event )
@@ -156,11 +286,7 @@ private:
 			{
 				fail( id, "moves, and has no pose", "give the pose of the object" );
 			}
-			// a ball in its place: an object has a shape
-			json ball = { { "id", id }, { "pose", object["pose"] } };
-			ball["primitives"] = json::array( { { { "type", "sphere" }, { "dimensions", { 1.0 } } } } );
-			ball["primitive_poses"] = json::array( { { { "position", { 0, 0, 0 } }, { "orientation", { 0, 0, 0, 1 } } } } );
-			event.moved.emplace_back( id, parse( ball ).pose );
+			event.moved.emplace_back( id, poseOf( { { "id", id }, { "pose", object["pose"] } } ) );
 		}
 		else
 		{

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a robot's sensors saw of its world while it drove, as lines of JSON. Format: planners/README.md, "guard".
+// The sights of a robot's sensors while it drove, as lines of JSON. Format: planners/README.md, "guard".
 #pragma once
 
+#include "leeway/cloud.h"
 #include "leeway/io/model.hpp"
 
 #include <string>
@@ -18,6 +19,8 @@ struct Event
 	{
 		world,  ///< objects that come, go and move
 		people, ///< all of them: they replace those before
+		cloud,  ///< begins the live cloud "cloud"; it comes first
+		frame,  ///< of a sensor, for the cloud
 		attach, ///< the object hangs on the link from now on, where it is
 		release ///< the object stays where it is
 	};
@@ -28,7 +31,10 @@ struct Event
 	std::vector<io::SceneObject> objects; ///< of world: come, in the place of those of their names; of people: all
 	std::vector<std::string> removed;
 	std::vector<std::pair<std::string, lw_transform>> moved; ///< world_from_object
-	std::string object, link;                                ///< of attach and release
+	lw_cloud_def cloud = lw_cloud_def_default();
+	lw_cloud_frame frame = lw_cloud_frame_default(); ///< without data, robot and state
+	std::vector<float> measured;                     ///< depths by rows, or points x, y, z of the sensor's frame; metres
+	std::string object, link;                        ///< of attach and release
 	std::vector<std::string> touch_links;
 };
 

@@ -37,14 +37,21 @@ public:
 		}
 	}
 
-	/// @param q of the robot, for objects that it takes and puts down @throws io::Error, and the world is unknown
-	void apply( const Event& event, const std::vector<double>& q )
+	/// @param q of the robot, for objects that it takes and puts down
+	/// @return false: the event is late, and left out @throws io::Error, CoreError, and the world is unknown
+	bool apply( const Event& event, const std::vector<double>& q )
 	{
+		// frames are late by the clock of their sensor
+		if ( event.kind == Event::Kind::frame ? isLate( event, q ) : event.seen < m_seen )
+		{
+			return false;
+		}
 		m_known = false;
 		change( event, q );
 		m_guard.publish( m_world.problem()->checker, ++m_stamp );
 		m_known = true;
-		m_seen = event.seen;
+		m_seen = std::max( m_seen, event.seen );
+		return true;
 	}
 	bool isKnown() const { return m_known; }
 	double seen() const { return m_seen; }
@@ -82,6 +89,15 @@ private:
 		{
 			m_world.move( name, pose );
 		}
+		if ( event.kind == Event::Kind::cloud )
+		{
+			m_cloud = std::make_unique<io::Cloud>( event.cloud );
+			m_objects.insert( cloud_name );
+		}
+		if ( m_cloud && ( event.kind == Event::Kind::cloud || event.kind == Event::Kind::frame ) )
+		{
+			m_world.see( cloud_name, *m_cloud );
+		}
 		if ( event.kind == Event::Kind::attach )
 		{
 			m_world.attach( event.object, event.link, event.touch_links, q );
@@ -91,14 +107,41 @@ private:
 			m_world.detach( event.object, q );
 		}
 	}
+	/// Takes a frame into the cloud, without the points on the robot itself. @throws io::Error, and the world is unknown
+	bool isLate( const Event& event, const std::vector<double>& q )
+	{
+		const std::shared_ptr<const io::Problem> problem = m_world.problem();
+		const std::vector<double> state = motions::fullState( *problem, q );
+		lw_cloud_frame frame = event.frame;
+		( frame.depth.width > 0 ? frame.depth.data : frame.points.data ) = event.measured.data();
+		frame.robot = lw_checker_robot( problem->checker.get() );
+		frame.state = state.data();
+		lw_diag diag{};
+		const std::uint64_t late = m_cloud ? lw_cloud_get_info( m_cloud->get() ).late : 0;
+		const lw_status status =
+		    m_cloud ? lw_cloud_insert( m_cloud->get(), &frame, &diag, nullptr ) : LW_ERROR_INVALID_ARGUMENT;
+		if ( status == LW_ERROR_STALE && lw_cloud_get_info( m_cloud->get() ).late > late )
+		{
+			return true;
+		}
+		if ( status != LW_OK )
+		{
+			m_known = false;
+			throw io::Error( "log", "frame", m_cloud ? diag.message : "comes before any cloud",
+			    m_cloud ? "nothing is known until the next frame that is taken" : "begin the log with a line with cloud" );
+		}
+		return false;
+	}
 	void remove( const std::string& name )
 	{
 		m_world.remove( name );
 		m_objects.erase( name );
 	}
 
+	static constexpr const char* cloud_name = "cloud";
 	io::World m_world;
 	Guard m_guard;
+	std::unique_ptr<io::Cloud> m_cloud;
 	std::set<std::string> m_objects;
 	std::uint64_t m_stamp = 0;
 	bool m_known = true;
@@ -146,20 +189,21 @@ private:
 	{
 		Watched& watched = event.kind == Event::Kind::people ? *m_people : m_world;
 		++m_result.events;
-		if ( event.seen < watched.seen() )
-		{
-			++m_result.late;
-			return;
-		}
 		const auto begin = std::chrono::steady_clock::now();
 		try
 		{
-			watched.apply( event, motions::stateAt( m_segments, now ) );
+			m_result.late +=
+			    watched.apply( event, motions::stateAt( m_segments, std::max( event.seen, m_segments.front().begin ) ) ) ? 0
+			                                                                                                             : 1;
 		}
 		catch ( const io::Error& error )
 		{
 			m_result.rejected.push_back(
 			    fmt::format( "{}: {}: {}; {}", event.element, error.element(), error.problem(), error.remedy() ) );
+		}
+		catch ( const CoreError& error )
+		{
+			m_result.rejected.push_back( fmt::format( "{}: {}", event.element, error.what() ) );
 		}
 		m_result.publish_microseconds.push_back( microsecondsSince( begin ) );
 		const double apart = ( m_world.guard().end() - m_segments.front().begin ) / most_sceneries;

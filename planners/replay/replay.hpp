@@ -20,7 +20,7 @@ struct Settings
 	double budget = motions::Guard::no_budget;          ///< microseconds of an answer
 	lw_separation separation = lw_separation_default(); ///< for people
 	double stale =
-	    std::numeric_limits<double>::infinity(); ///< seconds: what was seen earlier than this is not known any more
+	    std::numeric_limits<double>::infinity(); ///< seconds: an older sight is none
 };
 
 /// One cycle of the controller. The robot is where the trajectory has it.
@@ -60,7 +60,7 @@ struct Result
 {
 	std::vector<Cycle> cycles;
 	std::size_t events = 0;
-	std::size_t late = 0;              ///< events left out: they saw the world before what was known already
+	std::size_t late = 0;              ///< events left out: their sight is older than the last one
 	std::vector<std::string> rejected; ///< events that the world refused, and why: until the next one nothing is known
 	std::vector<double> publish_microseconds; ///< with the change of the world
 	std::optional<Alarm> alarm;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the guard said over a drive, for files and for people.
+// The answers over a drive, for files and for people.
 #include "replay/replay.hpp"
 
 #include <fmt/format.h>

@@ -123,6 +123,36 @@ TEST_F( CliGuard, PeopleAreNoReasonToSlowDown )
 	EXPECT_EQ( scale( 1 ), 1 );
 }
 
+// Points of a post, seen from above the arm; the second frame is older than the first, the third one's file is no array.
+TEST_F( CliGuard, AFrameIsNotSeen )
+{
+	const float points[][3] = { { 0.6F, 0.3F, -2 }, { 0.61F, 0.3F, -2 }, { 0.6F, 0.31F, -2 } };
+	std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (3, 3), }";
+	header += std::string( 63 - ( 10 + header.size() ) % 64, ' ' ) + "\n";
+	write( "p.npy", std::string( "\x93NUMPY\x01\x00", 8 ) + static_cast<char>( header.size() ) + std::string( 1, '\0' ) +
+	                    header + std::string( reinterpret_cast<const char*>( points ), sizeof( points ) ) );
+	write( "bad.npy", "hello" );
+	const std::string cloud =
+	    R"({"t": 0, "cloud": {"resolution": 0.02, "box_min": [-1, -1, -0.2], "box_max": [1, 1, 0.2], "shadow": 0.01}})";
+	const std::string seen =
+	    R"({"t": 0.5, "seen": 0.45, "frame": {"points": "p.npy", "pose": {"position": [0, 0, 2], "orientation": [0, 0, 0, 1]}}})";
+	const std::string older = R"({"t": 0.6, "seen": 0.4, "frame": {"points": "p.npy"}})";
+	EXPECT_EQ( guard( cloud + "\n" + seen + "\n" + older + "\n" ).status, 1 );
+	EXPECT_EQ( verdict( 0.49 ), "FREE" );
+	EXPECT_EQ( verdict( 0.5 ), "BLOCKED" );
+	EXPECT_EQ( verdict( 0.6 ), "BLOCKED" );
+	EXPECT_EQ( report["late"], 1 );
+	EXPECT_TRUE( contains( report["alarm"]["pair"].dump(), "cloud" ) ) << report;
+	// a frame without a cloud, and a pose that is none
+	EXPECT_EQ( guard( seen ).status, 1 );
+	EXPECT_EQ( verdict( 0.5 ), "UNDECIDED" );
+	EXPECT_TRUE( contains( report["rejected"].dump(), "comes before any cloud" ) ) << report;
+	EXPECT_EQ( guard( cloud + "\n" + R"({"t": 1, "frame": {"points": "bad.npy"}})" ).status, 2 );
+	EXPECT_EQ( guard( cloud + "\n" + R"({"t": 1, "frame": {"depth": "p.npy"}})" ).status, 2 ) << "no camera";
+	EXPECT_EQ( guard( R"({"t": 0, "cloud": {"resolution": -1, "box_min": [0, 0, 0], "box_max": [1, 1, 1]}})" ).status, 1 );
+	EXPECT_EQ( verdict( 0 ), "UNDECIDED" );
+}
+
 TEST_F( CliGuard, RefusesBadLines )
 {
 	const auto refused = [&]( const std::string& text, const std::string& message )
