@@ -12,6 +12,8 @@
 #include "owned_clock.hpp"
 #include "seeded_rng.hpp"
 
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <functional>
@@ -24,6 +26,7 @@ struct Settings
 {
 	std::string data = LEEWAY_DATA_DIR;
 	int changes = 2000, pieces = 6;
+	int cycles = 100000; ///< of a controller, with another scene in each 33rd one
 	double budget = 2;
 	std::uint64_t seed = 20260101;
 	bool quick = false;
@@ -143,6 +146,79 @@ struct Times
 	Hash hash;
 };
 
+/// Times of answers, by powers of two of a microsecond.
+struct Histogram
+{
+	static constexpr std::size_t bins = 16;
+	std::array<std::size_t, bins> count{};
+	std::size_t cycles = 0, late = 0; ///< late: more than a millisecond
+	double most = 0;
+
+	void add( double us )
+	{
+		std::size_t bin = 0;
+		for ( double edge = 1; us >= edge && bin + 1 < bins; edge *= 2 )
+		{
+			++bin;
+		}
+		++count[bin];
+		++cycles;
+		late += us > 1000 ? 1 : 0;
+		most = std::max( most, us );
+	}
+};
+
+lw_guard_def guardDef( const EdgeWorld& world, const lw_clock& clock, double end )
+{
+	lw_guard_def def = lw_guard_def_default();
+	def.checker = world.with_tables.get();
+	def.clock = &clock;
+	def.end = end;
+	def.microseconds = []( void* ) { return threadMicroseconds(); };
+	return def;
+}
+
+/// The checker of another scene.
+leeway::Checker edited( const lw_checker* checker, const lw_scene* scene )
+{
+	lw_checker_edit_def edit = lw_checker_edit_def_default();
+	edit.scene = scene;
+	lw_checker* made = nullptr;
+	leeway::require( lw_checker_edit( checker, &edit, nullptr, nullptr, &made ), "lw_checker_edit" );
+	return leeway::Checker::adopt( made );
+}
+
+/// A controller at 1 kHz, which drives the motion again and again, and gives each answer at most half a millisecond; a camera at 30 Hz.
+void cycle( const EdgeWorld& world, const Settings& settings, int cycles, SeededRng& rng, Histogram& histogram )
+{
+	OwnedClock clock = freeMotion( world, settings.pieces, rng );
+	if ( clock.tracks[0].pieces.empty() )
+	{
+		return;
+	}
+	const lw_clock view = clock.view();
+	const double end = clock.tracks[0].pieces.back().end;
+	lw_guard_def def = guardDef( world, view, end );
+	def.window = 0.25;
+	lw_guard* made = nullptr;
+	leeway::require( lw_guard_create( &def, nullptr, nullptr, &made ), "lw_guard_create" );
+	const std::unique_ptr<lw_guard, GuardReleaser> guard( made );
+	constexpr int camera = 33;
+	for ( int i = 0; i < cycles; ++i )
+	{
+		if ( i % camera == 0 )
+		{
+			const leeway::Checker now = edited( world.with_tables.get(), shifted( world.scene.get(), rng ).get() );
+			leeway::require(
+			    lw_guard_publish( guard.get(), now.get(), static_cast<std::uint64_t>( i + 1 ), nullptr ), "publish" );
+		}
+		lw_guard_answer answer;
+		const double time = std::fmod( 1e-3 * i, end );
+		histogram.add(
+		    microseconds( [&] { leeway::require( lw_guard_ask( guard.get(), time, 500, &answer ), "lw_guard_ask" ); } ) );
+	}
+}
+
 void drive( const EdgeWorld& world, const Settings& settings, int changes, SeededRng& rng, Times& times )
 {
 	OwnedClock clock = freeMotion( world, settings.pieces, rng );
@@ -152,10 +228,7 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 	}
 	const lw_clock view = clock.view();
 	const double end = clock.tracks[0].pieces.back().end;
-	lw_guard_def def = lw_guard_def_default();
-	def.checker = world.with_tables.get();
-	def.clock = &view;
-	def.end = end;
+	lw_guard_def def = guardDef( world, view, end );
 	const std::vector<double> deceleration( clock.tracks[0].variables.size(), 5 );
 	def.braking = 0;
 	def.deceleration = deceleration.data();
@@ -174,11 +247,7 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 		times.of["publish (writer)"].push_back( microseconds(
 		    [&]
 		    {
-			    lw_checker_edit_def edit = lw_checker_edit_def_default();
-			    edit.scene = scene.get();
-			    lw_checker* edited = nullptr;
-			    leeway::require( lw_checker_edit( now.get(), &edit, nullptr, nullptr, &edited ), "lw_checker_edit" );
-			    now = leeway::Checker::adopt( edited );
+			    now = edited( now.get(), scene.get() );
 			    leeway::require(
 			        lw_guard_publish( guard.get(), now.get(), static_cast<std::uint64_t>( i ), nullptr ), "publish" );
 		    } ) );
@@ -196,11 +265,8 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 				        lw_guard_brake_by( guard.get(), from, answer.proved_until, 0.02, &latest ), "lw_guard_brake_by" );
 			    } ) );
 		}
-		lw_checker_edit_def edit = lw_checker_edit_def_default();
-		edit.scene = scene.get();
-		lw_checker* full = nullptr;
-		leeway::require( lw_checker_edit( world.with_tables.get(), &edit, nullptr, nullptr, &full ), "lw_checker_edit" );
-		const leeway::Checker owner = leeway::Checker::adopt( full );
+		const leeway::Checker owner = edited( world.with_tables.get(), scene.get() );
+		const lw_checker* full = owner.get();
 		lw_timed_result whole;
 		times.of["whole proof"].push_back( microseconds( [&]
 		    { leeway::require( lw_checker_timed( full, query.get(), &view, from, end, &def.timed, &whole ), "timed" ); } ) );
@@ -232,6 +298,21 @@ void report( const std::string& name, const Times& times, Result& result )
 	}
 }
 
+void report( const std::string& name, const Histogram& histogram, Result& result )
+{
+	std::printf( "%s: %zu cycles, %zu above 1 ms, %.1f us at most; us:", name.c_str(), histogram.cycles, histogram.late,
+	    histogram.most );
+	Json counts = Json::array();
+	for ( std::size_t i = 0; i < Histogram::bins; ++i )
+	{
+		counts.push_back( histogram.count[i] );
+		std::printf( histogram.count[i] > 0 ? " <%zu: %zu" : "", std::size_t{ 1 } << i, histogram.count[i] );
+	}
+	std::printf( "\n" );
+	result.add( { { "world", name }, { "what", "cycles" }, { "cycles", histogram.cycles }, { "above_1_ms", histogram.late },
+	    { "most_us", rounded( histogram.most ) }, { "below_powers_of_two_us", counts } } );
+}
+
 int run( const Settings& settings, Result& result )
 {
 	lw_reach_def reach = lw_reach_def_default();
@@ -241,16 +322,21 @@ int run( const Settings& settings, Result& result )
 	const std::size_t pandas = worlds.size();
 	worlds.addArmar( "right_arm", { 1, 2 } );
 	std::map<std::string, Times> times;
+	std::map<std::string, Histogram> histograms;
 	SeededRng rng{ std::mt19937_64( settings.seed ) };
 	const int changes = settings.quick ? 20 : settings.changes / static_cast<int>( pandas ) + 1;
 	for ( std::size_t i = 0; i < worlds.size(); ++i )
 	{
-		drive( worlds.world( i ), settings, changes, rng, times[i < pandas ? "Panda" : "ARMAR-III, kitchen"] );
+		const std::string name = i < pandas ? "Panda" : "ARMAR-III, kitchen";
+		drive( worlds.world( i ), settings, changes, rng, times[name] );
+		cycle( worlds.world( i ), settings,
+		    ( settings.quick ? 2000 : settings.cycles ) / static_cast<int>( worlds.size() ) + 1, rng, histograms[name] );
 	}
 	std::size_t contradictions = 0;
 	for ( const auto& [name, of] : times )
 	{
 		report( name, of, result );
+		report( name, histograms[name], result );
 		contradictions += of.contradictions;
 	}
 	return contradictions == 0 ? 0 : 1;
@@ -265,6 +351,7 @@ void addGuard( Bench& bench )
 	    bench.command( "guard", "a motion that runs while objects move: the guard, whole proofs, states at steps" );
 	command.option( "--data", s->data, "folder with mbm, armar3 and kit_kitchen" );
 	command.option( "--changes", s->changes, "scenes of each robot", { 1, 10000000 } );
+	command.option( "--cycles", s->cycles, "of a controller, another scene in each 33rd one", { 1, 1000000000 } );
 	command.option( "--pieces", s->pieces, "of the motion, half a second each", { 1, 1000 } );
 	command.option( "--budget", s->budget, "seconds of proofs for pair tables", { 0 } );
 	command.option( "--seed", s->seed, "of motions and scenes" );

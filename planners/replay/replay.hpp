@@ -16,11 +16,10 @@ namespace leeway::replay
 struct Settings
 {
 	motions::GuardSettings guard;
-	double rate = 1000;                                 ///< cycles per second, > 0
-	double budget = motions::Guard::no_budget;          ///< microseconds of an answer
-	lw_separation separation = lw_separation_default(); ///< for people
-	double stale =
-	    std::numeric_limits<double>::infinity(); ///< seconds: an older sight is none
+	double rate = 1000;                                     ///< cycles per second, > 0
+	double budget = motions::Guard::no_budget;              ///< microseconds of an answer
+	lw_separation separation = lw_separation_default();     ///< for people
+	double stale = std::numeric_limits<double>::infinity(); ///< seconds: an older sight is none
 };
 
 /// One cycle of the controller. The robot is where the trajectory has it.
