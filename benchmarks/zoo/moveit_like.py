@@ -58,8 +58,12 @@ def path_of(checker, start, goal, given, seconds):
     ends = []
     for values in (start, goal):
         state = si.getStateSpace().allocState()
-        leeway.ompl.from_array(checker, numpy.array([values[name] for name in checker.variables]), state)
+        q = numpy.array([values[name] for name in checker.variables])
+        # Some goals are beyond a limit by rounding
+        leeway.ompl.from_array(checker, numpy.where(checker.wraps, q, numpy.clip(q, checker.lower, checker.upper)), state)
         ends.append(state)
+    if not all(si.isValid(state) for state in ends):
+        return None, validator
     setup.setStartAndGoalStates(*ends)
     setup.setPlanner(geometric.RRTConnect(si))
     solved = setup.solve(seconds)
@@ -80,7 +84,7 @@ def judged(folder, robot, given, paths):
         reference = {name: value for name, value in start.items() if name in robot.variables}
         checker = leeway.Checker(robot, scene, group=group, reference=reference)
         row["problems"] += 1
-        path, validator = path_of(checker, start, goal, given, 20)
+        path, validator = path_of(checker, start, goal, given, 10)
         motions, states = motions + validator.motions, states + validator.states
         if path is None:
             continue

@@ -26,7 +26,7 @@ struct Lever
 	bool operator<( const Lever& other ) const { return std::tie( body, link ) < std::tie( other.body, other.link ); }
 };
 
-/// What a body, or a pair of bodies, needs: the sum of lever times deviation is at most its room.
+/// A demand of a body or of a pair of bodies: the sum of lever times deviation is at most its room.
 struct Need
 {
 	std::vector<Lever> levers; ///< in order
@@ -74,7 +74,7 @@ struct Bubbles::State
 	const Tubes tubes;
 	std::vector<Need> needs;
 	std::vector<double> clearances;  ///< of links, of the last state
-	std::vector<double> rows, rooms; ///< [needs][variables] levers, [needs] what is left
+	std::vector<double> rows, rooms; ///< [needs][variables] levers, [needs] room that is left
 	std::vector<double> weights;     ///< [variables]
 	std::vector<char> open, still;
 };

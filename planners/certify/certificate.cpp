@@ -308,7 +308,7 @@ std::vector<Piece> piecesOf( const io::Problem& problem, const std::vector<std::
 	return pieces;
 }
 
-/// What certificates of one robot in one scene have alike.
+/// The common part of the certificates of one robot in one scene.
 struct Common
 {
 	Common( const io::Problem& problem, const io::RobotModel& robot, const double* state, lw_check_flags flags,

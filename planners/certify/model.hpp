@@ -59,7 +59,7 @@ struct Margin
 	double value;
 };
 
-/// What all motions of a robot in a scene have alike.
+/// The common part of all motions of a robot in a scene.
 struct Model
 {
 	unsigned claims = 3; ///< lw_check_flags

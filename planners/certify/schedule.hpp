@@ -14,7 +14,7 @@ struct Deviation
 	double tolerance = 0, lag = 0, spread = 0, since = 0;
 };
 
-/// @param model whose joints tell which variables of a track shift
+/// @param model its joints tell the variables of a track that shift
 std::vector<Deviation> deviationsOf( const Model& model, const Settings& settings );
 
 /// Of piece k of a motion that begins at `begin`.

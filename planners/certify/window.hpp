@@ -10,7 +10,7 @@
 namespace leeway::certify
 {
 
-/// A body of the robot or an obstacle, with what no motion changes.
+/// A body of the robot or an obstacle, with its constant parts.
 struct Body
 {
 	const Placed* placed;

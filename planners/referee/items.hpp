@@ -26,7 +26,7 @@ struct Item
 	std::vector<io::Notice> notices;
 };
 
-/// Reads a file, by its ending and its keys:
+/// Reads the items of a file, by its ending and its keys:
 ///   - .npy: NumPy array of float64 or float32, [points][joints] or [paths][points][joints]
 ///   - .txt: a line of numbers for each point, such as OMPL's PathGeometric::printAsMatrix() writes
 ///   - .csv: with a column time a trajectory, else a path; a column for each joint

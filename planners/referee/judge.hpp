@@ -11,7 +11,7 @@
 namespace leeway::referee
 {
 
-/// Reasons for an item to fail.
+/// The reasons for which an item fails.
 enum class Policy
 {
 	proved,   ///< all but a proof: a collision, an open verdict, joint limits, gaps

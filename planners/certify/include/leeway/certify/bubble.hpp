@@ -22,7 +22,7 @@ public:
 	Bubbles( const Bubbles& ) = delete;
 	Bubbles& operator=( const Bubbles& ) = delete;
 
-	/// All joints grow alike, each weighted by the reach of what it moves, until the room of a link or of a pair of links is used; its joints then stay, and the
+	/// All joints grow alike, each weighted by the largest lever of its bodies, until the room of a link or of a pair of links is used; its joints then stay, and the
 	/// others grow on. Every state r with |r_j - q_j| <= out_j of all variables j keeps its clearances above min_d. Joint limits are not looked at.
 	/// @param q [group variables]
 	/// @param min_d metres, >= 0

@@ -70,7 +70,7 @@ struct Schedule
 /// @param clock as lw_clock_check() accepts it @throws CoreError (LW_ERROR_INVALID_ARGUMENT: it does not)
 Schedule scheduleOf( const io::Problem& problem, const lw_clock& clock, double from, double to );
 
-/// Writes certificates of one robot in one scene, one after the other. What they have alike is made once.
+/// Writes certificates of one robot in one scene, one after the other. Their common part is made once.
 class Writer
 {
 public:
