@@ -289,16 +289,6 @@ void Shape::finish()
 	ranges[0].radius = std::min( ranges[0].radius, whole );
 }
 
-double Shape::boxSupport( std::size_t range, const Vec& direction, Vec* point ) const
-{
-	const Range& at = ranges[range];
-	for ( int i = 0; i < 3 && point != nullptr; ++i )
-	{
-		( *point )[i] = at.middle[i] + ( direction[i] < 0 ? -at.half[i] : at.half[i] );
-	}
-	return heightOfBox( at, direction );
-}
-
 double Shape::support( std::size_t range, const Vec& direction, Vec* point ) const
 {
 	constexpr std::uint32_t few = 8; // triangles, of which all corners are compared

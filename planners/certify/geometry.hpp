@@ -95,8 +95,6 @@ struct Shape
 	void finish();
 	/// The greatest height of the range's points in a direction of any length, shape frame.
 	double support( std::size_t range, const Vec& direction, Vec* point = nullptr ) const;
-	/// The same of the range's box, which is not lower.
-	double boxSupport( std::size_t range, const Vec& direction, Vec* point = nullptr ) const;
 
 private:
 	double elementSupport( std::uint32_t element, const Vec& direction, double size, Vec* point ) const;

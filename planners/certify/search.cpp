@@ -171,10 +171,12 @@ bool Search::separate(
 {
 	const auto farthest = [boxes]( const Side& side, const Vec& v )
 	{
+		if ( boxes )
+		{
+			return side.boxPoint( v );
+		}
 		Vec point;
-		const Vec local = side.pose.turnedBack( v );
-		boxes ? side.body->shape->boxSupport( side.range, local, &point )
-		      : side.body->shape->support( side.range, local, &point );
+		side.body->shape->support( side.range, side.pose.turnedBack( v ), &point );
 		return side.pose.placed( point );
 	};
 	const double lost = a.rest + b.rest + m_motion.rounding();

@@ -198,6 +198,10 @@ Side Motion::side( const Body& body, std::size_t range, std::uint32_t ancestor, 
 	}
 	side.middle = side.pose.placed( body.shape->ranges[range].middle );
 	side.radius = body.shape->ranges[range].radius;
+	for ( int k = 0; k < 3; ++k )
+	{
+		side.arms[k] = body.shape->ranges[range].half[k] * side.pose.columns[k];
+	}
 	double below = 0, turns = 0; // sum of rho e of the joints so far, from the body upwards
 	std::uint32_t at = body.on_link ? m_moved[body.placed->owner] : nothing;
 	for ( ; at != nothing && at > ancestor; at = m_moved[m_model.links[at].parent] )
@@ -245,6 +249,22 @@ const Side& Motion::whole( std::uint32_t body, Window& window ) const
 	return window.whole[body];
 }
 
+double Side::boxHeight( const Vec& direction ) const
+{
+	return dot( middle, direction ) + std::fabs( dot( arms[0], direction ) ) + std::fabs( dot( arms[1], direction ) ) +
+	       std::fabs( dot( arms[2], direction ) );
+}
+
+Vec Side::boxPoint( const Vec& direction ) const
+{
+	Vec point = middle;
+	for ( const Vec& arm : arms )
+	{
+		point = dot( arm, direction ) < 0 ? point - arm : point + arm;
+	}
+	return point;
+}
+
 double Motion::spheres( const Side& a, const Side& b, double need ) const
 {
 	const Kind kind = b.body->shape->kind;
@@ -273,9 +293,9 @@ double Motion::plane( const Side& a, const Side& b, const Vec& direction, double
 	const auto height = [&]( const Side& side, const Shape& shape, double sign, double s )
 	{
 		const Vec to = sign * ( n + s * cross( n, side.turn ) );
-		const Vec local = side.pose.turnedBack( to );
-		return ( boxes ? shape.boxSupport( side.range, local ) : shape.support( side.range, local ) ) +
-		       dot( to, side.pose.shift ) + sign * s * dot( n, side.shift );
+		const double farthest = boxes ? side.boxHeight( to )
+		                              : shape.support( side.range, side.pose.turnedBack( to ) ) + dot( to, side.pose.shift );
+		return farthest + sign * s * dot( n, side.shift );
 	};
 	double room = infinite, top = 0, bottom = shape_b.unbounded() ? dot( n, b.pose.shift ) : 0;
 	for ( const double s : { -1.0, 1.0 } )

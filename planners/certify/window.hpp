@@ -26,11 +26,16 @@ struct Side
 	std::size_t range = 0;
 	Pose pose;
 	Vec middle{ 0, 0, 0 };
+	std::array<Vec, 3> arms{}; ///< from the middle to three sides of the part's box
 	double radius = 0;
 	bool turns = false;                    ///< first order: x + s (turn x x + shift)
 	Vec turn{ 0, 0, 0 }, shift{ 0, 0, 0 }; ///< zero of a body that no variable moves
 	double rest = 0;                       ///< beyond it, of any point of the part
 	double path = 0;                       ///< of the middle
+
+	/// The greatest height of the part's box in a direction of any length, and the point there; world at the middle state.
+	double boxHeight( const Vec& direction ) const;
+	Vec boxPoint( const Vec& direction ) const;
 };
 
 /// The middle state of a window with all poses, and the range of each variable around it.
