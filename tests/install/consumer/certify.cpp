@@ -17,5 +17,5 @@ int main()
 	const leeway::io::Problem problem = leeway::io::buildProblem( robot, {} );
 	const std::vector<leeway::certify::Piece> pieces = leeway::certify::piecesOf( problem, { { -1 }, { 1 } } );
 	const leeway::certify::Certificate made = leeway::certify::certify( problem, robot, pieces, {}, "a motion" );
-	return made.pairs == 1 && made.bytes.compare( 0, 8, "LWCERT1\n" ) == 0 ? 0 : 1;
+	return made.pairs == 1 && made.bytes.compare( 0, 8, "LWCERT2\n" ) == 0 ? 0 : 1;
 }
