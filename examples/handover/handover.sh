@@ -20,7 +20,7 @@ half()
 	{ cat "$data/kit_kitchen/scene.yaml"; sed "s#HAND#$2#" "$here/pot.yaml"; } >"$out/$1_scene.yaml"
 	leeway world plan --world "$world" "${packages[@]}" --goal "$3" --goal "$4" --deadline 8 --min-d 0.005 --out "$motions"
 	local with=( --world "$world" "${packages[@]}" --motion "left=$motions/left.json" --motion "right=$motions/right.json" --min-d 0.005 )
-	leeway world audit "${with[@]}"
+	leeway world audit "${with[@]}" --certificate "$out/$1.lwc"
 	leeway world view "${with[@]}" --out "$out/$1.html" >"$out/$1.txt" || echo "no page of $1 is written"
 }
 
