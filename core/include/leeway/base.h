@@ -43,8 +43,7 @@ typedef enum lw_status
 	LW_ERROR_UNSUPPORTED = -5,      ///< a valid request this build cannot answer
 	LW_ERROR_CANCELLED = -6,        ///< a progress callback returned false
 	LW_ERROR_DAMAGED = -7,          ///< saved bytes are truncated, altered, or not a blob
-	LW_ERROR_STALE =
-		-8 ///< saved bytes of another version, machine or content; a frame that is late, a cloud that lost points
+	LW_ERROR_STALE = -8             ///< saved bytes of another version, machine or content; late frames, lost points
 } lw_status;
 
 /// Where and why a call failed. Owned by the caller; every function accepts NULL in its place.
