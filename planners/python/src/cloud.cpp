@@ -134,6 +134,10 @@ nb::dict insertPoints( PyCloud& cloud, const AnyArray& points, double stamp, con
 	out.is_double = holds<double>( points );
 	// of one point no step is used
 	out.point_step = width > 1 ? step( points, dimensions - 2, "points" ) : 3 * points.itemsize() + 2 * number;
+	if ( out.point_step < 2 * number + points.itemsize() )
+	{
+		refuse( "points: the array is not stored point by point; give numpy.ascontiguousarray() of it" );
+	}
 	out.row_step = dimensions == 3 ? step( points, 0, "points" ) : 0;
 	out.in_world = in_world;
 	return insert( cloud, frame );
