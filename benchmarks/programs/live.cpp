@@ -25,7 +25,7 @@ namespace
 struct Settings
 {
 	std::string data = LEEWAY_DATA_DIR;
-	int frames = 150, peer_frames = 8, states = 400;
+	int frames = 150, peer_frames = 4, states = 400;
 	double resolution = 0.01, noise = 0.001;
 	std::uint64_t seed = 20260101;
 	bool quick = false;
@@ -404,7 +404,7 @@ void drive( Run& run, int k, int warm, int settled )
 	{
 		return;
 	}
-	if ( k < warm + run.settings.peer_frames )
+	if ( k < warm + ( run.settings.quick ? 1 : run.settings.peer_frames ) )
 	{
 		askPeers( points, camera, run.plain, run.discretized, run.times );
 	}
