@@ -29,7 +29,7 @@ struct Shared
 	std::atomic<int> asked{ 0 }, wrong{ 0 };
 };
 
-void read( Shared& shared )
+void askAgainAndAgain( Shared& shared )
 {
 	leeway::Query query;
 	while ( !shared.stop )
@@ -87,7 +87,7 @@ TEST( CloudThreads, AReaderSeesAnotherSnapshot )
 	std::vector<std::thread> readers;
 	for ( int i = 0; i < 3; ++i )
 	{
-		readers.emplace_back( read, std::ref( shared ) );
+		readers.emplace_back( askAgainAndAgain, std::ref( shared ) );
 	}
 	SeededRng rng( 20261212 );
 	const CloudPtr cloud = makeCloud( cloudOf( 0.02, 2 ) );
