@@ -133,7 +133,7 @@ private:
 	}
 	double clearance() const { return nearest().upper; }
 
-	/// The robot goes as fast as it may, or brakes until another answer allows what it still has; the body runs at the nearest point, or
+	/// The robot goes as fast as it may, or brakes until another answer allows the scale that it still has; the body runs at the nearest point, or
 	/// anywhere.
 	void advance( double allowed, bool brakes, double seconds )
 	{

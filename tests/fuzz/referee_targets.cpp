@@ -20,7 +20,7 @@ const io::Problem& fixedProblem()
 	return problem;
 }
 
-/// Reads a file, and judges what it holds, which takes a millisecond or some motions.
+/// Reads a file, and judges its items, which takes a millisecond or some motions.
 void judgeFile( const std::string& file )
 {
 	constexpr std::size_t most_items = 4, most_segments = 16;

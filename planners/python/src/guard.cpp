@@ -42,7 +42,8 @@ std::vector<double> eachOf( const PyChecker& checker, const nb::object& given, c
 class PyGuard
 {
 public:
-	PyGuard( const PyChecker& checker, const std::vector<motions::Segment>& segments, const motions::GuardSettings& settings )
+	PyGuard(
+	    const PyChecker& checker, const std::vector<motions::Segment>& segments, const motions::GuardSettings& settings )
 	    : m_guard( *checker.problem, segments, settings ), m_worlds{ { 0, checker.problem } }
 	{
 	}
@@ -113,8 +114,8 @@ nb::object speedOf( PyGuard& guard, double now, double age, const lw_separation&
 {
 	const lw_guard_scale s =
 	    guard.asked( [&]( motions::Guard& g ) { return g.speed( separation, now, age, highest, budget ); } );
-	return result( "GuardSpeed",
-	    nb::make_tuple( s.scale, s.separation, s.until, s.stamp, guard.namesOf( s.stamp, s.next.self, s.next.pair ), s.proofs ) );
+	return result( "GuardSpeed", nb::make_tuple( s.scale, s.separation, s.until, s.stamp,
+	                                 guard.namesOf( s.stamp, s.next.self, s.next.pair ), s.proofs ) );
 }
 
 void bindQuestions( nb::class_<PyGuard>& type )
@@ -124,7 +125,8 @@ void bindQuestions( nb::class_<PyGuard>& type )
 	    "ask",
 	    []( PyGuard& self, double now, double budget )
 	    { return answerOf( self, self.asked( [&]( motions::Guard& g ) { return g.ask( now, budget ); } ) ); },
-	    "now"_a, "budget"_a = unlimited, nb::sig( "def ask(self, now: float, budget: float = float('inf')) -> leeway.results.GuardAnswer" ),
+	    "now"_a, "budget"_a = unlimited,
+	    nb::sig( "def ask(self, now: float, budget: float = float('inf')) -> leeway.results.GuardAnswer" ),
 	    "Is the motion still free from `now` (seconds of the motion) on, in the newest world? budget: microseconds, after which the answer is\n"
 	    "UNDECIDED; ask again. A call about the same world costs nothing." );
 	type.def(
@@ -172,10 +174,10 @@ void bindGuards( nb::module_& module )
 	    "One thread publishes worlds, another one asks: neither waits for the other, and both leave the interpreter to others." );
 	type.def(
 	    "__init__",
-	    []( PyGuard* self, const PyChecker& checker, const Doubles& times, const nb::object& positions, const nb::object& velocities,
-	        const nb::object& accelerations, double min_d, double slack, const std::string& check, const nb::object& tolerance,
-	        double lag, double window, double contact_resolution, const nb::object& deceleration, double reaction,
-	        std::uint32_t spare_shapes, std::uint32_t spare_bodies )
+	    []( PyGuard* self, const PyChecker& checker, const Doubles& times, const nb::object& positions,
+	        const nb::object& velocities, const nb::object& accelerations, double min_d, double slack,
+	        const std::string& check, const nb::object& tolerance, double lag, double window, double contact_resolution,
+	        const nb::object& deceleration, double reaction, std::uint32_t spare_shapes, std::uint32_t spare_bodies )
 	    {
 		    const motions::TrajectoryFile file = trajectoryOf( checker, times, positions, velocities, accelerations );
 		    motions::GuardSettings settings;
@@ -195,8 +197,8 @@ void bindGuards( nb::module_& module )
 			    refuse( "min_d, slack: give a margin of 0 or more, and a slack above 0" );
 		    }
 		    const nb::gil_scoped_release unlocked;
-		    new ( self )
-		        PyGuard( checker, motions::segmentsOf( *checker.problem, file, motions::Interpolation::automatic, 0 ), settings );
+		    new ( self ) PyGuard(
+		        checker, motions::segmentsOf( *checker.problem, file, motions::Interpolation::automatic, 0 ), settings );
 	    },
 	    "checker"_a, "times"_a, "positions"_a, "velocities"_a = nb::none(), "accelerations"_a = nb::none(), nb::kw_only(),
 	    "min_d"_a = 0.0, "slack"_a = 1e-3, "check"_a = "both", "tolerance"_a = nb::none(), "lag"_a = 0.0, "window"_a = 0.5,

@@ -154,7 +154,7 @@ TEST_F( LiveClouds, AnOctomapLosesVoxels )
 	    std::string::npos );
 }
 
-/// A map of larger or smaller cells: what is occupied stays so, and nothing is free that the map has not as free.
+/// A map of larger or smaller cells: occupied space stays so, and nothing is free that the map has not as free.
 TEST_F( LiveClouds, AnOctomapOfOtherCellsLosesObstacles )
 {
 	SeededRng rng( 20261221 );
