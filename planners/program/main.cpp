@@ -171,10 +171,9 @@ int dispatchAudit( const CLI::App& chosen, AuditOptions& options )
 	return runAudit( options );
 }
 
-int dispatch( const CLI::App& app, Commands& commands )
+/// Option --input-limit of the chosen subcommand.
+std::vector<std::string> givenLimits( const Commands& commands )
 {
-	const CLI::App* chosen = app.get_subcommands().front();
-	const std::string name = chosen->get_name();
 	std::vector<std::string> given;
 	for ( const CommonOptions* common :
 	    { &commands.info.common, &commands.pairs.common, &commands.spherize.common, &commands.check.common,
@@ -183,7 +182,14 @@ int dispatch( const CLI::App& app, Commands& commands )
 	{
 		given.insert( given.end(), common->input_limits.begin(), common->input_limits.end() ); // of one: the chosen
 	}
-	const io::LimitScope limits( inputLimits( given ) );
+	return given;
+}
+
+int dispatch( const CLI::App& app, Commands& commands )
+{
+	const CLI::App* chosen = app.get_subcommands().front();
+	const std::string name = chosen->get_name();
+	const io::LimitScope limits( inputLimits( givenLimits( commands ) ) );
 	if ( name == "info" )
 	{
 		validate( *chosen, commands.info.common );
