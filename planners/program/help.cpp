@@ -38,13 +38,11 @@ const char* const about =
 
 Examples:
   leeway info --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm
-  leeway pairs --robot arm.urdf --srdf arm.srdf --out new.srdf
   leeway check --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --states states.csv --out out.csv
   leeway plan --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --request reach.yaml --out path.yaml
   leeway audit --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml
   leeway referee --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --item path.npy --item regions.json
   leeway guard --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --trajectory t.json --replay log.jsonl
-  leeway tune --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --group arm --error 5
   leeway world audit --world cell.yaml
   leeway view --robot arm.urdf --srdf arm.srdf --scene kitchen.yaml --path path.yaml --out page.html)";
 

@@ -204,7 +204,11 @@ private:
 		{
 			event.measured.insert( event.measured.end(), row.begin(), row.end() );
 		}
-		const json object = { { "id", "sensor" }, { "pose", frame.value( "pose", json::object() ) } };
+		json object = { { "id", "sensor" } };
+		if ( frame.contains( "pose" ) )
+		{
+			object["pose"] = frame["pose"];
+		}
 		event.frame.world_from_sensor = poseOf( object );
 		event.frame.stamp = event.seen;
 		event.frame.sensor =

@@ -78,7 +78,7 @@ def test_people_do_not_slow_the_robot(arm, sweep):
     people = leeway.World(arm, None)
     guard = leeway.Guard(people.checker, *sweep[1:])
     assert guard.speed(0.5).scale == 1
-    guard.publish(people.add("anna", BOX, at(1.3, 0)), 1)
+    guard.publish(people.add("anna", BOX, at(1.1, 0)), 1)
     near = guard.speed(0.5, reaction=0.02, deceleration=5, intrusion=0.05)
     assert 0 < near.scale < 1 and near.stamp == 1 and "anna" in near.pair
     assert math.isclose(near.separation, 0.05 + 1.6 * (0.02 + near.scale / 5))

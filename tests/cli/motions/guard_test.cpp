@@ -108,7 +108,7 @@ TEST_F( CliGuard, AnOlderSightReplacesANewerOne )
 TEST_F( CliGuard, PeopleAreNoReasonToSlowDown )
 {
 	// nobody was looked for until 0.2 s; then somebody is far, near, and gone
-	EXPECT_EQ( guard( line( 0.2, "people", box( 9, 0, "anna" ), 0.2 ) + line( 0.5, "people", box( 1.3, 0, "anna" ), 0.5 ) +
+	EXPECT_EQ( guard( line( 0.2, "people", box( 9, 0, "anna" ), 0.2 ) + line( 0.5, "people", box( 1.1, 0, "anna" ), 0.5 ) +
 	                      line( 1, "people", "", 1 ),
 	               { "--people-deceleration", "5", "--people-reaction", "0.02" } )
 	               .status,
