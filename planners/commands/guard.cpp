@@ -22,11 +22,11 @@ std::vector<Segment> motionOf(
 	double begin = 0;
 	for ( const TrajectoryFile& file : files )
 	{
-		for ( Segment segment : segmentsOf( problem, file, interpolationOf( options.interpolation ), begin ) )
-		{
-			segments.push_back( std::move( segment ) );
-		}
-		begin = segments.empty() ? begin : segments.back().begin + segments.back().seconds;
+		// on the file's clock: a first point may come later than its time 0
+		const std::vector<Segment> own =
+		    segmentsOf( problem, file, interpolationOf( options.interpolation ), begin + file.points.front().time );
+		segments.insert( segments.end(), own.begin(), own.end() );
+		begin += file.points.back().time;
 	}
 	return segments;
 }

@@ -256,7 +256,7 @@ A line of the log is an object of JSON. t: seconds on the trajectory's clock, at
   release: OBJECT
   nothing                             the world was looked at, and is as before
 A line with an older sight than the last one is left out. After a line that does not fit the world, such as one that moves an object that
-is not there, nothing is known until the next one. --profile: time,verdict,proved_until,stands,scale,age,microseconds.)" };
+is not there, nothing is known until lines that fit have named its objects. --profile: time,verdict,proved_until,stands,scale,age,microseconds.)" };
 
 const HelpText tune_help = {
     R"(Measures speed against accuracy on this robot in this scene, and proposes settings that meet a target.

@@ -23,7 +23,8 @@ double microsecondsSince( std::chrono::steady_clock::time_point begin )
 	return std::chrono::duration<double, std::micro>( std::chrono::steady_clock::now() - begin ).count();
 }
 
-/// A world and the guard of the motion in it. Events change the world; an event that it refuses makes it unknown until another one is accepted.
+/// A world and the guard of the motion in it. Events change the world. An event that it refuses leaves its objects in doubt, and the world unknown,
+/// until events that it takes have named them all.
 class Watched
 {
 public:
@@ -46,19 +47,50 @@ public:
 		{
 			return false;
 		}
-		m_known = false;
+		const std::set<std::string> named = namesOf( event );
+		m_doubtful.insert( named.begin(), named.end() );
 		change( event, q );
 		m_guard.publish( m_world.problem()->checker, ++m_stamp );
-		m_known = true;
+		for ( const std::string& name : named )
+		{
+			m_doubtful.erase( name );
+		}
 		m_seen = std::max( m_seen, event.seen );
 		return true;
 	}
-	bool isKnown() const { return m_known; }
+	bool isKnown() const { return m_doubtful.empty(); }
 	double seen() const { return m_seen; }
 	Guard& guard() { return m_guard; }
 	std::shared_ptr<const io::Problem> problem() const { return m_world.problem(); }
 
 private:
+	/// The objects that an event is about. People are one: each line has all of them.
+	static std::set<std::string> namesOf( const Event& event )
+	{
+		switch ( event.kind )
+		{
+		case Event::Kind::people:
+			return { "people" };
+		case Event::Kind::cloud:
+		case Event::Kind::frame:
+			return { cloud_name };
+		case Event::Kind::attach:
+		case Event::Kind::release:
+			return { event.object };
+		case Event::Kind::world:
+			break;
+		}
+		std::set<std::string> names( event.removed.begin(), event.removed.end() );
+		for ( const io::SceneObject& object : event.objects )
+		{
+			names.insert( object.name );
+		}
+		for ( const auto& [name, pose] : event.moved )
+		{
+			names.insert( name );
+		}
+		return names;
+	}
 	void change( const Event& event, const std::vector<double>& q )
 	{
 		const std::set<std::string> before = event.kind == Event::Kind::people ? m_objects : std::set<std::string>();
@@ -126,7 +158,7 @@ private:
 		}
 		if ( status != LW_OK )
 		{
-			m_known = false;
+			m_doubtful.insert( cloud_name );
 			throw io::Error( "log", "frame", m_cloud ? diag.message : "comes before any cloud",
 			    m_cloud ? "nothing is known until the next frame that is taken" : "begin the log with a line with cloud" );
 		}
@@ -144,7 +176,7 @@ private:
 	std::unique_ptr<io::Cloud> m_cloud;
 	std::set<std::string> m_objects;
 	std::uint64_t m_stamp = 0;
-	bool m_known = true;
+	std::set<std::string> m_doubtful; ///< objects of events that were refused
 	double m_seen = -std::numeric_limits<double>::infinity();
 };
 
@@ -218,7 +250,7 @@ private:
 	{
 		if ( !watched.isKnown() )
 		{
-			return "an event could not be taken into the world";
+			return "an event could not be taken into the world, and its objects not since";
 		}
 		const double age = now - watched.seen();
 		return age > m_settings.stale ? fmt::format( "it was seen {:.3f} s ago, more than {} s", age, m_settings.stale )

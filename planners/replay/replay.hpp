@@ -59,8 +59,9 @@ struct Result
 {
 	std::vector<Cycle> cycles;
 	std::size_t events = 0;
-	std::size_t late = 0;              ///< events left out: their sight is older than the last one
-	std::vector<std::string> rejected; ///< events that the world refused, and why: until the next one nothing is known
+	std::size_t late = 0; ///< events left out: their sight is older than the last one
+	std::vector<std::string>
+	    rejected; ///< events that the world refused, and why: nothing is known until others have named their objects
 	std::vector<double> publish_microseconds; ///< with the change of the world
 	std::optional<Alarm> alarm;
 	double least_scale = 1, least_scale_at = 0;

@@ -197,8 +197,9 @@ void bindGuards( nb::module_& module )
 			    refuse( "min_d, slack: give a margin of 0 or more, and a slack above 0" );
 		    }
 		    const nb::gil_scoped_release unlocked;
-		    new ( self ) PyGuard(
-		        checker, motions::segmentsOf( *checker.problem, file, motions::Interpolation::automatic, 0 ), settings );
+		    new ( self ) PyGuard( checker,
+		        motions::segmentsOf( *checker.problem, file, motions::Interpolation::automatic, file.points.front().time ),
+		        settings );
 	    },
 	    "checker"_a, "times"_a, "positions"_a, "velocities"_a = nb::none(), "accelerations"_a = nb::none(), nb::kw_only(),
 	    "min_d"_a = 0.0, "slack"_a = 1e-3, "check"_a = "both", "tolerance"_a = nb::none(), "lag"_a = 0.0, "window"_a = 0.5,

@@ -60,6 +60,17 @@ def test_a_change_is_not_seen(world, sweep):
     assert guard.ask(0.5).verdict == leeway.Verdict.FREE
 
 
+def test_the_clock_is_not_that_of_the_trajectory(world, sweep):
+    checker, times, q = sweep
+    guard = leeway.Guard(checker, times, q)
+    later = leeway.Guard(checker, [t + 1 for t in times], q)
+    post = world.add("post", BOX, at(0.6, 0.3))
+    guard.publish(post, 1)
+    later.publish(post, 1)
+    assert later.end == 3
+    assert math.isclose(later.ask(0).time, guard.ask(0).time + 1, abs_tol=2e-3)
+
+
 def test_a_world_that_does_not_fit_reads_as_free(world, sweep):
     guard = leeway.Guard(*sweep, spare_shapes=0)
     assert guard.ask(0).verdict == leeway.Verdict.FREE

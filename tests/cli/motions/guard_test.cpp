@@ -75,15 +75,29 @@ TEST_F( CliGuard, AnObjectThatComesIsSeenTooLate )
 	EXPECT_EQ( profile.rows.front().at( "stands" ).substr( 0, 3 ), "0.2" );
 }
 
+// A controller that begins to move a second after the trajectory's time 0.
+TEST_F( CliGuard, TheClockIsNotThatOfTheTrajectory )
+{
+	guard( line( 0, "world", box( 0.6, 0.3 ), 0 ) );
+	const double contact = report["alarm"]["time"];
+	write( "t.csv", "time,shoulder,elbow\n1,-0.6,0\n3,0.6,0\n" );
+	guard( line( 0, "world", box( 0.6, 0.3 ), 0 ) );
+	EXPECT_NEAR( report["alarm"]["time"].get<double>(), contact + 1, 2e-3 );
+	EXPECT_EQ( profile.rows.front().at( "time" ), "1" );
+}
+
 TEST_F( CliGuard, AWorldThatIsUnknownReadsAsFree )
 {
 	EXPECT_EQ( guard( "" ).status, 0 );
 	EXPECT_TRUE( report["alarm"].is_null() );
 	// an object that nobody has
-	EXPECT_EQ( guard( line( 0.5, "world", R"({"id": "nobody", "operation": 1})", 0.5 ) + "{\"t\": 1}\n" ).status, 1 );
+	EXPECT_EQ( guard( line( 0.5, "world", R"({"id": "nobody", "operation": 1})", 0.5 ) + "{\"t\": 0.7}\n" +
+	                  line( 1, "world", box( 5, 5, "nobody" ), 1 ) )
+	               .status,
+	    1 );
 	EXPECT_EQ( verdict( 0.49 ), "FREE" );
 	EXPECT_EQ( verdict( 0.5 ), "UNDECIDED" );
-	EXPECT_EQ( verdict( 0.99 ), "UNDECIDED" );
+	EXPECT_EQ( verdict( 0.99 ), "UNDECIDED" ) << "the look at 0.7 s says nothing of the change that was lost";
 	EXPECT_EQ( verdict( 1 ), "FREE" );
 	EXPECT_TRUE( contains( report["rejected"].dump(), "line 1" ) && contains( report["rejected"].dump(), "nobody" ) )
 	    << report;
