@@ -168,6 +168,15 @@ struct Histogram
 	}
 };
 
+using GuardPtr = std::unique_ptr<lw_guard, GuardReleaser>;
+
+GuardPtr makeGuard( const lw_guard_def& def )
+{
+	lw_guard* made = nullptr;
+	leeway::require( lw_guard_create( &def, nullptr, nullptr, &made ), "lw_guard_create" );
+	return GuardPtr( made );
+}
+
 lw_guard_def guardDef( const EdgeWorld& world, const lw_clock& clock, double end )
 {
 	lw_guard_def def = lw_guard_def_default();
@@ -200,9 +209,7 @@ void cycle( const EdgeWorld& world, const Settings& settings, int cycles, Seeded
 	const double end = clock.tracks[0].pieces.back().end;
 	lw_guard_def def = guardDef( world, view, end );
 	def.window = 0.25;
-	lw_guard* made = nullptr;
-	leeway::require( lw_guard_create( &def, nullptr, nullptr, &made ), "lw_guard_create" );
-	const std::unique_ptr<lw_guard, GuardReleaser> guard( made );
+	const GuardPtr guard = makeGuard( def );
 	constexpr int camera = 33;
 	for ( int i = 0; i < cycles; ++i )
 	{
@@ -233,9 +240,7 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 	def.braking = 0;
 	def.deceleration = deceleration.data();
 	def.reaction = 0.02;
-	lw_guard* made = nullptr;
-	leeway::require( lw_guard_create( &def, nullptr, nullptr, &made ), "lw_guard_create" );
-	const std::unique_ptr<lw_guard, GuardReleaser> guard( made );
+	const GuardPtr guard = makeGuard( def );
 	const leeway::Query query = leeway::makeQuery( world.with_tables.get() );
 	lw_guard_answer answer;
 	leeway::require( lw_guard_ask( guard.get(), 0, INFINITY, &answer ), "lw_guard_ask" );

@@ -3,7 +3,7 @@
 //
 // Panda in a room of 4 x 4 x 2.4 m with a scene of MotionBenchMaker; a ball flies about. The camera looks round, so that the whole room is resident, and then
 // follows the robot. Processor time of the thread. octomap inserts the same points at the same resolution by insertPointCloud(), as it is and
-// discretized; nanoflann builds its k-d tree of the points of the frame. States and edges are asked of the cloud's scene and of one point set of all its voxels.
+// discretized; nanoflann builds its k-d tree of the points of the frame. States and edges are checked in the cloud's scene and beside one point set of all its voxels.
 // Exit status 1 if a point of a frame is in no occupied voxel, or an answer of the two scenes differs.
 #include "programs/commands.hpp"
 #include "support/depth_camera.hpp"

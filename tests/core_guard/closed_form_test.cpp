@@ -1,59 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A ball on a rail, and blocks that come and go: contacts and stops are known in closed form.
-#include "guard_bench.hpp"
-#include "one_obstacle.hpp"
-#include "simple_shapes.hpp"
+#include "rail.hpp"
 
 namespace
 {
 
-constexpr double radius = 0.1;
-
-/// The ball goes from x = 0 at 1 m/s, for two seconds.
-struct Rail
+/// A scene of a rail, and a block beside it.
+leeway::Scene withAnother( const Rail& rail, const leeway::Scene& scene_of )
 {
-	RobotPtr robot;
-	ShapePtr block{ primitive( LW_SHAPE_BOX, 0.2, 0.2, 0.2 ) };
-	leeway::Checker checker;
-	OwnedClock clock;
-
-	Rail()
-	{
-		RobotModel model;
-		model.link( "world" );
-		addJoint( model, "x", LW_JOINT_PRISMATIC, 0, 0 );
-		model.body( 1, primitive( LW_SHAPE_SPHERE, radius ), lw_transform_identity() );
-		robot = model.create();
-		checker = checkerOf( robot.get(), scene( 50 ).get() );
-		clock.rest = { 0 };
-		OwnedTrack track;
-		track.variables = { 0 };
-		track.pieces = { { 0, 2, 1, { 0, 2 } } };
-		clock.tracks = { track };
-	}
-	/// With the block's middle at x. Its face that the ball meets is 0.1 m before that.
-	leeway::Scene scene( double x ) const
-	{
-		lw_transform pose = lw_transform_identity();
-		pose.t[0] = x;
-		return oneObstacle( block.get(), pose );
-	}
-	/// A block beside the rail.
-	leeway::Scene withAnother( const leeway::Scene& scene_of ) const
-	{
-		const lw_shape* shapes[] = { block.get() };
-		lw_transform far = lw_transform_identity();
-		far.t[1] = 9;
-		const lw_scene_change add = { LW_SCENE_ADD, "other", shapes, &far, 1 };
-		lw_scene* made = nullptr;
-		EXPECT_EQ( LW_OK, lw_scene_edit( scene_of.get(), &add, 1, nullptr, nullptr, &made ) );
-		return leeway::Scene::adopt( made );
-	}
-	lw_status publish( lw_guard* guard, double x, std::uint64_t stamp ) const
-	{
-		return lw_guard_publish( guard, inScene( checker.get(), scene( x ).get() ).get(), stamp, nullptr );
-	}
-};
+	const lw_shape* shapes[] = { rail.block.get() };
+	lw_transform far = lw_transform_identity();
+	far.t[1] = 9;
+	const lw_scene_change add = { LW_SCENE_ADD, "other", shapes, &far, 1 };
+	lw_scene* made = nullptr;
+	EXPECT_EQ( LW_OK, lw_scene_edit( scene_of.get(), &add, 1, nullptr, nullptr, &made ) );
+	return leeway::Scene::adopt( made );
+}
 
 double ten( void* time )
 {
@@ -94,7 +56,7 @@ TEST( Guard, AChangeIsForgottenBecauseAnotherFollows )
 	const leeway::Scene first = rail.scene( 1.5 );
 	ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), inScene( rail.checker.get(), first.get() ).get(), 1, nullptr ) );
 	EXPECT_EQ( ask( guard.get(), 0 ).verdict, LW_VERDICT_BLOCKED );
-	const leeway::Scene second = rail.withAnother( first );
+	const leeway::Scene second = withAnother( rail, first );
 	for ( std::uint64_t stamp = 2; stamp < 20; ++stamp ) // worlds are used again
 	{
 		ASSERT_EQ(
@@ -183,7 +145,7 @@ TEST( Guard, AClockThatStepsBackReadsAsFree )
 	EXPECT_EQ( ask( guard.get(), 1.2 ).verdict, LW_VERDICT_FREE );
 	// the block is proved from 1.2 s on only, so its scene is no base for changes beside it
 	ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(),
-	                      inScene( rail.checker.get(), rail.withAnother( rail.scene( 0.5 ) ).get() ).get(), 2, nullptr ) );
+	                      inScene( rail.checker.get(), withAnother( rail, rail.scene( 0.5 ) ).get() ).get(), 2, nullptr ) );
 	EXPECT_EQ( ask( guard.get(), 0.2 ).verdict, LW_VERDICT_BLOCKED );
 }
 

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Cycles with faults: worlds that cannot be published, memory that ends, stamps out of order, a clock that steps back, budgets, writers that
 // fall silent. A ball on a rail, so that each answer is known in closed form.
-#include "guard_bench.hpp"
-#include "one_obstacle.hpp"
+#include "rail.hpp"
 #include "sanitized.hpp"
-#include "simple_shapes.hpp"
 
 #include <cstdlib>
 
 namespace
 {
 
-/// Fails after some allocations, until it is told to work again.
+/// Fails after some allocations.
 struct Failing
 {
 	int left = -1; ///< negative: it works
@@ -34,13 +32,13 @@ double steps( void* time )
 	return *static_cast<double*>( time ) += 1;
 }
 
-constexpr double radius = 0.1, half = 0.1, end = 2; ///< of the ball, of the block, of the motion at 1 m/s from x = 0
+constexpr double reach = Rail::radius + 0.1, end = 2; ///< metres, of the ball and half the block; of the motion
 
 /// Is the ball clear of a block at x at all times from `now` on?
 bool isFree( double x, double now )
 {
 	const double from = std::clamp( now, 0.0, end ); // it rests before and after
-	return x - half - radius > end || x + half + radius < from;
+	return x - reach > end || x + reach < from;
 }
 
 } // namespace
@@ -49,33 +47,15 @@ bool isFree( double x, double now )
 TEST( GuardFaults, AnAnswerIsFreeThatIsNone )
 {
 	SeededRng rng;
-	RobotModel model;
-	model.link( "world" );
-	addJoint( model, "x", LW_JOINT_PRISMATIC, 0, 0 );
-	model.body( 1, primitive( LW_SHAPE_SPHERE, radius ), lw_transform_identity() );
-	const RobotPtr robot = model.create();
-	const ShapePtr block( primitive( LW_SHAPE_BOX, 2 * half, 0.2, 0.2 ) );
-	const auto sceneAt = [&]( double x )
-	{
-		lw_transform pose = lw_transform_identity();
-		pose.t[0] = x;
-		return oneObstacle( block.get(), pose );
-	};
-	const leeway::Checker first = checkerOf( robot.get(), sceneAt( 50 ).get() );
-	OwnedClock clock;
-	clock.rest = { 0 };
-	OwnedTrack track;
-	track.variables = { 0 };
-	track.pieces = { { 0, end, 1, { 0, end } } };
-	clock.tracks = { track };
+	Rail rail( end );
 	Failing memory;
 	double time = 0;
 	const lw_allocator allocator = { Failing::alloc, Failing::free, &memory };
-	lw_guard_def def = guardOf( first.get(), end );
+	lw_guard_def def = guardOf( rail.checker.get(), end );
 	def.window = 0.3;
 	def.microseconds = steps;
 	def.user = &time;
-	const GuardPtr guard = makeGuard( def, clock, &allocator );
+	const GuardPtr guard = makeGuard( def, rail.clock, &allocator );
 	const char* asked = std::getenv( "LEEWAY_GUARD_CYCLES" );
 	const int cycles = asked != nullptr ? std::atoi( asked ) : unlessSanitized( 20000, 3000 );
 	double x = 50, now = 0;
@@ -88,7 +68,7 @@ TEST( GuardFaults, AnAnswerIsFreeThatIsNone )
 		if ( fault < 4 )
 		{
 			const double next = rng.integer( 0, 2 ) == 0 ? 50 : rng.uniform( -0.5, 2.6 );
-			const leeway::Checker world = inScene( first.get(), sceneAt( next ).get() );
+			const leeway::Checker world = inScene( rail.checker.get(), rail.scene( next ).get() );
 			const std::uint64_t given = fault == 1 ? stamp - ( stamp > 0 ? rng.integer( 0, 1 ) : 0 ) : stamp + 1;
 			memory.left = fault == 0 ? rng.integer( 0, 30 ) : -1;
 			const lw_status status = lw_guard_publish( guard.get(), fault == 2 ? nullptr : world.get(), given, nullptr );
@@ -108,7 +88,7 @@ TEST( GuardFaults, AnAnswerIsFreeThatIsNone )
 		ASSERT_TRUE( !known || answer.stamp == stamp ) << i;
 		ASSERT_TRUE( known || ( answer.verdict == LW_VERDICT_UNDECIDED && answer.proved_until == now ) ) << i;
 		// proved until a time before the contact
-		ASSERT_TRUE( is_free || answer.proved_until <= std::max( now, x - half - radius ) + 1e-9 ) << i;
+		ASSERT_TRUE( is_free || answer.proved_until <= std::max( now, x - reach ) + 1e-9 ) << i;
 		free += answer.verdict == LW_VERDICT_FREE;
 		blocked += answer.verdict == LW_VERDICT_BLOCKED;
 		undecided += answer.verdict == LW_VERDICT_UNDECIDED;

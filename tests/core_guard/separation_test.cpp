@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How fast a robot may go beside people: in closed form on a rail, and by people who run after random robots as fast as they may.
-#include "guard_bench.hpp"
-#include "one_obstacle.hpp"
+#include "rail.hpp"
 #include "random_world.hpp"
 #include "sanitized.hpp"
-#include "simple_shapes.hpp"
 
 #include <deque>
 
@@ -170,20 +168,8 @@ private:
 TEST( Separation, AScaleIsTooHighOrTooLow )
 {
 	SeededRng rng;
-	RobotModel model;
-	model.link( "world" );
-	addJoint( model, "x", LW_JOINT_PRISMATIC, 0, 0 );
-	model.body( 1, primitive( LW_SHAPE_SPHERE, 0.1 ), lw_transform_identity() );
-	const RobotPtr robot = model.create();
-	const ShapePtr wall( primitive( LW_SHAPE_BOX, 0.2, 2, 2 ) );
-	const leeway::Checker checker = checkerOf( robot.get(), at( wall.get(), { 50, 0, 0 } ).get() );
-	OwnedClock clock;
-	clock.rest = { 0 };
-	OwnedTrack track;
-	track.variables = { 0 };
-	track.pieces = { { 0, 20, 1, { 0, 20 } } };
-	clock.tracks = { track };
-	const GuardPtr guard = makeGuard( guardOf( checker.get(), 20 ), clock );
+	Rail rail( 20, 2, 2 );
+	const GuardPtr guard = makeGuard( guardOf( rail.checker.get(), 20 ), rail.clock );
 	int between = 0;
 	for ( std::uint64_t i = 1; i <= 300; ++i )
 	{
@@ -195,8 +181,7 @@ TEST( Separation, AScaleIsTooHighOrTooLow )
 		def.grid = static_cast<std::uint32_t>( rng.integer( 1, 200 ) );
 		const double now = rng.uniform( 0, 1 ), x = now + rng.uniform( 0, 5 ), age = rng.uniform( 0, 0.1 ),
 		             highest = rng.uniform( 0.2, 2 );
-		ASSERT_EQ( LW_OK, lw_guard_publish( guard.get(), inScene( checker.get(), at( wall.get(), { x, 0, 0 } ).get() ).get(),
-		                      i, nullptr ) );
+		ASSERT_EQ( LW_OK, rail.publish( guard.get(), x, i ) );
 		const lw_guard_scale answer = speed( guard.get(), def, now, age, highest );
 		// x - 0.2 - now = s T + s^2 / ( 2 b ) + C + v ( T + s / b + age )
 		const double b = def.deceleration, half = def.reaction + def.speed / b;
@@ -250,20 +235,8 @@ TEST( Separation, SomebodyComesTooNearWhileTheRobotMoves )
 
 TEST( Separation, RefusesBadSettings )
 {
-	RobotModel model;
-	model.link( "world" );
-	addJoint( model, "x", LW_JOINT_PRISMATIC, 0, 0 );
-	model.body( 1, primitive( LW_SHAPE_SPHERE, 0.1 ), lw_transform_identity() );
-	const RobotPtr robot = model.create();
-	const ShapePtr wall( primitive( LW_SHAPE_BOX, 0.2, 2, 2 ) );
-	const leeway::Checker checker = checkerOf( robot.get(), at( wall.get(), { 50, 0, 0 } ).get() );
-	OwnedClock clock;
-	clock.rest = { 0 };
-	OwnedTrack track;
-	track.variables = { 0 };
-	track.pieces = { { 0, 2, 1, { 0, 2 } } };
-	clock.tracks = { track };
-	const GuardPtr guard = makeGuard( guardOf( checker.get(), 2 ), clock );
+	Rail rail( 2, 2, 2 );
+	const GuardPtr guard = makeGuard( guardOf( rail.checker.get(), 2 ), rail.clock );
 	const auto refused = [&]( lw_status status, lw_guard* asked, const lw_separation& def, double now, double age,
 	                         double highest, double budget )
 	{
@@ -290,7 +263,7 @@ TEST( Separation, RefusesBadSettings )
 	bad( []( lw_separation& def ) { def.reaction = INFINITY; }, LW_ERROR_INVALID_ARGUMENT );
 	bad( []( lw_separation& def ) { def.deceleration = 0; }, LW_ERROR_INVALID_ARGUMENT );
 	bad( []( lw_separation& def ) { def.grid = 0; }, LW_ERROR_INVALID_ARGUMENT );
-	clock.tracks[0].spread_speed = 1;
-	const GuardPtr spreads = makeGuard( guardOf( checker.get(), 2 ), clock );
+	rail.clock.tracks[0].spread_speed = 1;
+	const GuardPtr spreads = makeGuard( guardOf( rail.checker.get(), 2 ), rail.clock );
 	refused( LW_ERROR_INVALID_ARGUMENT, spreads.get(), good, 0, 0, 1, INFINITY );
 }

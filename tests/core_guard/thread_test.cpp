@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A writer and a reader: no answer is about an older scene than the newest, and the reader neither allocates nor frees.
-#include "guard_bench.hpp"
-#include "one_obstacle.hpp"
+#include "rail.hpp"
 #include "sanitized.hpp"
-#include "simple_shapes.hpp"
 
 #include <atomic>
 #include <thread>
@@ -34,28 +32,10 @@ struct Watched
 
 TEST( GuardThreads, AnAnswerIsAboutAnOldScene )
 {
-	RobotModel model;
-	model.link( "world" );
-	addJoint( model, "x", LW_JOINT_PRISMATIC, 0, 0 );
-	model.body( 1, primitive( LW_SHAPE_SPHERE, 0.1 ), lw_transform_identity() );
-	const RobotPtr robot = model.create();
-	const ShapePtr block( primitive( LW_SHAPE_BOX, 0.2, 0.2, 0.2 ) );
-	const auto sceneAt = [&]( double x )
-	{
-		lw_transform pose = lw_transform_identity();
-		pose.t[0] = x;
-		return oneObstacle( block.get(), pose );
-	};
-	const leeway::Checker checker = checkerOf( robot.get(), sceneAt( 50 ).get() );
-	OwnedClock clock;
-	clock.rest = { 0 };
-	OwnedTrack track;
-	track.variables = { 0 };
-	track.pieces = { { 0, 2, 1, { 0, 2 } } };
-	clock.tracks = { track };
+	Rail rail;
 	Watched watched;
 	const lw_allocator allocator = { Watched::alloc, Watched::free, &watched };
-	const GuardPtr guard = makeGuard( guardOf( checker.get(), 2 ), clock, &allocator );
+	const GuardPtr guard = makeGuard( guardOf( rail.checker.get(), 2 ), rail.clock, &allocator );
 	const std::uint64_t last = unlessSanitized( 20000, 1000 );
 	std::atomic<std::uint64_t> published{ 0 };
 	std::thread writer(
@@ -64,9 +44,9 @@ TEST( GuardThreads, AnAnswerIsAboutAnOldScene )
 		    for ( std::uint64_t stamp = 1; stamp <= last; ++stamp )
 		    {
 			    // odd scenes have the block in the way
-			    EXPECT_EQ(
-			        LW_OK, lw_guard_publish( guard.get(),
-			                   inScene( checker.get(), sceneAt( stamp % 2 ? 1.5 : 50 ).get() ).get(), stamp, nullptr ) );
+			    EXPECT_EQ( LW_OK,
+			        lw_guard_publish( guard.get(),
+			            inScene( rail.checker.get(), rail.scene( stamp % 2 ? 1.5 : 50 ).get() ).get(), stamp, nullptr ) );
 			    published.store( stamp );
 		    }
 	    } );

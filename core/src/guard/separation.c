@@ -50,7 +50,7 @@ static lw_status try_scale( lw_guard* g, const lw_checker* people, const lw_sepa
 	timed.edge.flags = LW_CHECK_ENVIRONMENT;
 	timed.contact_resolution = 0;
 	lw_timed_result r;
-	const lw_status status = lwi_guard_prove( g, people, &g->clock, now, lwi_larger( until, now ), &timed, &r );
+	const lw_status status = lwi_guard_prove( g, people, &g->clock, now, until, &timed, &r );
 	++out->proofs;
 	if ( status == LW_OK && r.verdict == LW_VERDICT_FREE )
 	{

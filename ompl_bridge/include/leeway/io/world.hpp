@@ -39,7 +39,7 @@ public:
 	/// @param shapes poses in the object's frame @throws Error if an object or a link has the name, or a pose is not a
 	/// rotation
 	Checker add( const std::string& object, const std::vector<PlacedShape>& shapes, const lw_transform& world_from_object );
-	/// A live cloud as it is now becomes the object of this name, or replaces what it was at the call before; contacts and margins of the name
+	/// The live cloud of now becomes the object of this name, in the place of the one of the call before; contacts and margins of the name
 	/// stay. Cost: that of lw_cloud_scene() and of lw_checker_edit(). @throws Error if an object of another kind or a link has the
 	/// name, or the cloud has lost points
 	Checker see( const std::string& object, Cloud& cloud );

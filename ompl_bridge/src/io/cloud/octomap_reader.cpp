@@ -146,7 +146,7 @@ public:
 	{
 	}
 
-	/// And free cells, if they are asked for.
+	/// And free cells, if `with_free`.
 	void addOccupied( bool with_free )
 	{
 		m_low.fill( half_edge );

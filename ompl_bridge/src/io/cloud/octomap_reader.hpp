@@ -21,7 +21,7 @@ struct OctomapBoxes
 {
 	std::vector<double> boxes;             ///< [n][6]: min x, y, z, max x, y, z; metres, map frame
 	std::size_t occupied = 0, unknown = 0; ///< boxes of either kind, in this order
-	std::vector<double> free;              ///< free cells, if they are asked for
+	std::vector<double> free;              ///< free cells, with OctomapUse::list_free
 	double resolution = 0;                 ///< edge of the smallest cells, metres
 };
 
