@@ -8,9 +8,7 @@
 
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <random>
-#include <set>
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
@@ -213,37 +211,7 @@ Reach reachOf( const EdgeWorld& world, Random& random )
 	return reach;
 }
 
-/// Each link with geometry and the next one above it that has some.
-void addNeighbours( const io::RobotModel& model, std::vector<io::DisabledPair>& pairs )
-{
-	std::map<std::string, std::string> parent;
-	std::set<std::string> solid;
-	for ( const io::JointModel& joint : model.joints )
-	{
-		parent[joint.child] = joint.parent;
-	}
-	for ( const io::LinkModel& link : model.links )
-	{
-		if ( !link.collision.empty() )
-		{
-			solid.insert( link.name );
-		}
-	}
-	for ( const std::string& link : solid )
-	{
-		auto above = parent.find( link );
-		while ( above != parent.end() && solid.count( above->second ) == 0 )
-		{
-			above = parent.find( above->second );
-		}
-		if ( above != parent.end() )
-		{
-			pairs.push_back( { above->second, link, "Adjacent" } );
-		}
-	}
-}
-
-/// Neighbours, and links in contact in more than half of some random states.
+/// Those that a robot without an SRDF does not check, and links in contact in more than half of some random states.
 std::vector<io::DisabledPair> pairsOf( const io::RobotModel& model, const EdgeWorld& world, Random& random )
 {
 	EdgeAuditor auditor( world.robot.get(), nullptr, world.variables, world.reference.data() );
@@ -253,8 +221,7 @@ std::vector<io::DisabledPair> pairsOf( const io::RobotModel& model, const EdgeWo
 	{
 		state = world.full( world.randomState( random.engine() ) );
 	}
-	std::vector<io::DisabledPair> pairs;
-	addNeighbours( model, pairs );
+	std::vector<io::DisabledPair> pairs = model.disabled;
 	for ( std::uint32_t a = 0; a < links; ++a )
 	{
 		for ( std::uint32_t b = a + 1; b < links; ++b )

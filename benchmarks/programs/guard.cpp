@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A motion that runs while one object moves: the guard's answer, a proof of the rest from nothing, and states at steps of 1 cm.
 //
-// Panda in MotionBenchMaker's scenes, and ARMAR-III's right arm in the cluttered kitchen. Of the times of the guard the writer's part is a row of its own: it
-// runs on another thread. A stop: 20 ms of reaction, then 5 rad/s^2. Exit status 1 if the guard says FREE and the whole proof BLOCKED, or the other way round.
+// Panda in MotionBenchMaker's scenes, and ARMAR-III's right arm in the cluttered kitchen; robots of the zoo in generated scenes, and random ones. Of the times
+// of the guard the writer's part is a row of its own: it runs on another thread. A stop: 20 ms of reaction, then 5 rad/s^2. Exit status 1 if the guard says FREE
+// and the whole proof BLOCKED, or the other way round, or if a judge that knows neither finds a contact in a part that an answer calls proved.
 #include "leeway/guard.h"
+#include "planning/generated_problems.hpp"
 #include "programs/commands.hpp"
 #include "support/edge_worlds.hpp"
 #include "support/provenance.hpp"
 #include "support/race.hpp"
+#include "support/temporary_folder.hpp"
 
+#include "edge_auditor.hpp"
 #include "owned_clock.hpp"
 #include "seeded_rng.hpp"
 
@@ -24,9 +28,11 @@ namespace
 
 struct Settings
 {
-	std::string data = LEEWAY_DATA_DIR;
+	std::string data = LEEWAY_DATA_DIR, zoo;
+	std::size_t random_robots = 0;
 	int changes = 2000, pieces = 6;
-	int cycles = 100000; ///< of a controller, with another scene in each 33rd one
+	double judged = 0.02; ///< share of the answers
+	int cycles = 100000;  ///< of a controller, with another scene in each 33rd one
 	double budget = 2;
 	std::uint64_t seed = 20260101;
 	bool quick = false;
@@ -88,18 +94,46 @@ OwnedClock freeMotion( const EdgeWorld& world, int pieces, SeededRng& rng )
 	return clock;
 }
 
-/// The scene with one object shifted by up to 0.2 m.
-leeway::Scene shifted( const lw_scene* scene, SeededRng& rng )
+/// Where a random body of the robot will be at a random time.
+lw_vec3 placeOfABody( const EdgeWorld& world, const OwnedTrack& track, SeededRng& rng )
 {
+	std::vector<double> q;
+	const double time = rng.uniform( 0, track.pieces.back().end );
+	for ( std::size_t v = 0; v < track.variables.size(); ++v )
+	{
+		q.push_back( track.at( v, time ) );
+	}
+	std::vector<lw_transform> links( lw_robot_link_count( world.robot.get() ) );
+	leeway::require( lw_robot_fk( world.robot.get(), world.full( q ).data(), links.data() ), "lw_robot_fk" );
+	const auto body =
+	    static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( lw_robot_body_count( world.robot.get() ) ) - 1 ) );
+	const double* at = links[lw_robot_body( world.robot.get(), body ).link].t;
+	return { at[0], at[1], at[2] };
+}
+
+/// The scene with one object shifted by up to 0.2 m; every fourth time it comes into the robot's way.
+leeway::Scene shifted( const EdgeWorld& world, const OwnedTrack& track, SeededRng& rng )
+{
+	const lw_scene* scene = world.scene.get();
 	const auto object =
 	    static_cast<std::uint32_t>( rng.integer( 0, static_cast<int>( lw_scene_object_count( scene ) ) - 1 ) );
-	const double by[3] = { rng.uniform( -0.2, 0.2 ), rng.uniform( -0.2, 0.2 ), rng.uniform( -0.2, 0.2 ) };
+	double by[3] = { rng.uniform( -0.2, 0.2 ), rng.uniform( -0.2, 0.2 ), rng.uniform( -0.2, 0.2 ) };
+	bool in_the_way = rng.integer( 0, 3 ) == 0;
 	std::vector<lw_transform> poses;
 	for ( std::uint32_t k = 0; k < lw_scene_shape_count( scene ); ++k )
 	{
 		if ( lw_scene_shape( scene, k ).object == object )
 		{
 			poses.push_back( lw_scene_shape( scene, k ).world_from_shape );
+			if ( in_the_way )
+			{
+				const lw_vec3 there = placeOfABody( world, track, rng );
+				const double* here = poses.back().t;
+				by[0] += there.x - here[0];
+				by[1] += there.y - here[1];
+				by[2] += there.z - here[2];
+				in_the_way = false;
+			}
 			for ( int i = 0; i < 3; ++i )
 			{
 				poses.back().t[i] += by[i];
@@ -139,10 +173,33 @@ bool seemsFree( const lw_checker* checker, lw_query* query, const OwnedTrack& tr
 	return free;
 }
 
+/// Is a contact in the part of the motion that an answer calls proved? Brute force over all pairs, on the motion from `now` to the end of the proof.
+bool isRefuted( const EdgeWorld& world, const lw_scene* scene, const OwnedTrack& track, double now, double proved_until )
+{
+	EdgeAuditor auditor( world.robot.get(), scene, world.variables, world.reference.data(), world.allowed );
+	bool contact = false;
+	for ( std::size_t i = 0; i < track.pieces.size() && !contact; ++i )
+	{
+		const double begin = std::max( now, track.pieces[i].start ), end = std::min( proved_until, track.pieces[i].end );
+		if ( begin < end )
+		{
+			std::vector<double> from, to;
+			for ( std::size_t v = 0; v < track.variables.size(); ++v )
+			{
+				from.push_back( track.at( v, begin ) );
+				to.push_back( track.at( v, end ) );
+			}
+			// the end of the proof itself may be the contact
+			contact = auditor.look( world.full( from ).data(), world.full( to ).data(), 0, 1 - 1e-9 ).contact;
+		}
+	}
+	return contact;
+}
+
 struct Times
 {
 	std::map<std::string, std::vector<double>> of;
-	std::size_t free = 0, blocked = 0, contradictions = 0;
+	std::size_t free = 0, blocked = 0, contradictions = 0, judged = 0, refuted = 0;
 	Hash hash;
 };
 
@@ -215,7 +272,7 @@ void cycle( const EdgeWorld& world, const Settings& settings, int cycles, Seeded
 	{
 		if ( i % camera == 0 )
 		{
-			const leeway::Checker now = edited( world.with_tables.get(), shifted( world.scene.get(), rng ).get() );
+			const leeway::Checker now = edited( world.with_tables.get(), shifted( world, clock.tracks[0], rng ).get() );
 			leeway::require(
 			    lw_guard_publish( guard.get(), now.get(), static_cast<std::uint64_t>( i + 1 ), nullptr ), "publish" );
 		}
@@ -247,7 +304,7 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 	leeway::Checker now = world.with_tables;
 	for ( int i = 1; i <= changes; ++i )
 	{
-		const leeway::Scene scene = shifted( world.scene.get(), rng );
+		const leeway::Scene scene = shifted( world, clock.tracks[0], rng );
 		const double from = rng.uniform( 0, 0.5 * end );
 		times.of["publish (writer)"].push_back( microseconds(
 		    [&]
@@ -282,13 +339,18 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 		times.contradictions += ( answer.verdict == LW_VERDICT_FREE && whole.verdict == LW_VERDICT_BLOCKED ) ||
 		                        ( answer.verdict == LW_VERDICT_BLOCKED && whole.verdict == LW_VERDICT_FREE );
 		times.hash.add( answer.verdict == LW_VERDICT_BLOCKED );
+		if ( rng.uniform( 0, 1 ) < settings.judged && answer.proved_until > from )
+		{
+			++times.judged;
+			times.refuted += isRefuted( world, scene.get(), clock.tracks[0], from, answer.proved_until );
+		}
 	}
 }
 
 void report( const std::string& name, const Times& times, Result& result )
 {
-	std::printf(
-	    "%s: %zu free, %zu blocked, %zu contradictions\n", name.c_str(), times.free, times.blocked, times.contradictions );
+	std::printf( "%s: %zu free, %zu blocked, %zu contradictions; %zu judged, %zu refuted\n", name.c_str(), times.free,
+	    times.blocked, times.contradictions, times.judged, times.refuted );
 	for ( const auto& [what, values] : times.of )
 	{
 		std::vector<double> sorted = values;
@@ -318,33 +380,66 @@ void report( const std::string& name, const Histogram& histogram, Result& result
 	    { "most_us", rounded( histogram.most ) }, { "below_powers_of_two_us", counts } } );
 }
 
+/// Worlds by the name of their robot.
+using Subjects = std::vector<std::pair<std::string, std::function<void( EdgeWorlds& )>>>;
+
+Subjects subjectsOf( const Settings& settings, const std::string& folder )
+{
+	Subjects subjects = {
+	    { "Panda",
+	        []( EdgeWorlds& worlds ) {
+		        worlds.addMbm( "panda", "panda_arm", { 1, 2, 3 } );
+	        } },
+	    { "ARMAR-III, kitchen",
+	        []( EdgeWorlds& worlds ) {
+		        worlds.addArmar( "right_arm", { 1, 2 } );
+	        } },
+	};
+	if ( !settings.zoo.empty() )
+	{
+		const std::string robots = robotsOfZoo( settings.zoo );
+		for ( const ZooRobot& robot : zooRobots() )
+		{
+			subjects.emplace_back( robot.name, [&settings, &robot, robots, folder]( EdgeWorlds& worlds )
+			    { addGeneratedProblems( worlds, robot, robots, 1, settings.seed, folder ); } );
+		}
+	}
+	for ( std::size_t i = 0; i < settings.random_robots; ++i )
+	{
+		const std::uint64_t seed = settings.seed + i;
+		subjects.emplace_back(
+		    "random " + std::to_string( i + 1 ), [seed]( EdgeWorlds& worlds ) { worlds.addRandom( seed, 1 ); } );
+	}
+	return subjects;
+}
+
 int run( const Settings& settings, Result& result )
 {
 	lw_reach_def reach = lw_reach_def_default();
 	reach.seconds = settings.budget;
-	EdgeWorlds worlds( settings.data, reach );
-	worlds.addMbm( "panda", "panda_arm", { 1, 2, 3 } );
-	const std::size_t pandas = worlds.size();
-	worlds.addArmar( "right_arm", { 1, 2 } );
-	std::map<std::string, Times> times;
-	std::map<std::string, Histogram> histograms;
+	const TemporaryFolder temporary;
+	const Subjects subjects = subjectsOf( settings, temporary.path().string() );
 	SeededRng rng{ std::mt19937_64( settings.seed ) };
-	const int changes = settings.quick ? 20 : settings.changes / static_cast<int>( pandas ) + 1;
-	for ( std::size_t i = 0; i < worlds.size(); ++i )
+	std::size_t wrong = 0;
+	for ( const auto& [name, add] : subjects )
 	{
-		const std::string name = i < pandas ? "Panda" : "ARMAR-III, kitchen";
-		drive( worlds.world( i ), settings, changes, rng, times[name] );
-		cycle( worlds.world( i ), settings,
-		    ( settings.quick ? 2000 : settings.cycles ) / static_cast<int>( worlds.size() ) + 1, rng, histograms[name] );
+		EdgeWorlds worlds( settings.data, reach );
+		add( worlds );
+		Times times;
+		Histogram histogram;
+		const int count = static_cast<int>( worlds.size() );
+		const int changes = settings.quick ? 20 : settings.changes / count + 1;
+		const int cycles = settings.quick ? 2000 : settings.cycles / static_cast<int>( subjects.size() );
+		for ( int i = 0; i < count; ++i )
+		{
+			drive( worlds.world( static_cast<std::size_t>( i ) ), settings, changes, rng, times );
+			cycle( worlds.world( static_cast<std::size_t>( i ) ), settings, cycles / count + 1, rng, histogram );
+		}
+		report( name, times, result );
+		report( name, histogram, result );
+		wrong += times.contradictions + times.refuted;
 	}
-	std::size_t contradictions = 0;
-	for ( const auto& [name, of] : times )
-	{
-		report( name, of, result );
-		report( name, histograms[name], result );
-		contradictions += of.contradictions;
-	}
-	return contradictions == 0 ? 0 : 1;
+	return wrong == 0 ? 0 : 1;
 }
 
 } // namespace
@@ -357,6 +452,9 @@ void addGuard( Bench& bench )
 	command.option( "--data", s->data, "folder with mbm, armar3 and kit_kitchen" );
 	command.option( "--changes", s->changes, "scenes of each robot", { 1, 10000000 } );
 	command.option( "--cycles", s->cycles, "of a controller, another scene in each 33rd one", { 1, 1000000000 } );
+	command.option( "--judged", s->judged, "share of the answers that the judge looks at, which is slow", { 0, 1 } );
+	command.option( "--zoo", s->zoo, "folder of .ci/install.sh zoo: eight robots more, in scenes made by seed" );
+	command.option( "--random-robots", s->random_robots, "random robots in random scenes", { 0, 100000 } );
 	command.option( "--pieces", s->pieces, "of the motion, half a second each", { 1, 1000 } );
 	command.option( "--budget", s->budget, "seconds of proofs for pair tables", { 0 } );
 	command.option( "--seed", s->seed, "of motions and scenes" );
