@@ -317,14 +317,14 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 		    [&] { leeway::require( lw_guard_ask( guard.get(), from, INFINITY, &answer ), "lw_guard_ask" ); } ) );
 		lw_guard_answer stop;
 		times.of["a stop"].push_back(
-		    microseconds( [&] { leeway::require( lw_guard_stop( guard.get(), from, &stop ), "lw_guard_stop" ); } ) );
+		    microseconds( [&] { leeway::require( lw_guard_stop( guard.get(), from, INFINITY, &stop ), "lw_guard_stop" ); } ) );
 		if ( answer.verdict != LW_VERDICT_FREE )
 		{
 			double latest = 0;
 			times.of["latest order to stop"].push_back( microseconds(
 			    [&] {
 				    leeway::require(
-				        lw_guard_brake_by( guard.get(), from, answer.proved_until, 0.02, &latest ), "lw_guard_brake_by" );
+				        lw_guard_brake_by( guard.get(), from, answer.proved_until, 0.02, INFINITY, &latest ), "lw_guard_brake_by" );
 			    } ) );
 		}
 		const leeway::Checker owner = edited( world.with_tables.get(), scene.get() );

@@ -123,17 +123,17 @@ lw_guard_answer Guard::ask( double now, double budget )
 	return answer;
 }
 
-lw_guard_answer Guard::stop( double from )
+lw_guard_answer Guard::stop( double from, double budget )
 {
 	lw_guard_answer answer;
-	require( lw_guard_stop( m_guard.get(), from, &answer ), m_file, "stop" );
+	require( lw_guard_stop( m_guard.get(), from, budget, &answer ), m_file, "stop" );
 	return answer;
 }
 
-double Guard::brakeBy( double now, double until, double step )
+double Guard::brakeBy( double now, double until, double step, double budget )
 {
 	double time = 0;
-	require( lw_guard_brake_by( m_guard.get(), now, until, step, &time ), m_file, "brake_by" );
+	require( lw_guard_brake_by( m_guard.get(), now, until, step, budget, &time ), m_file, "brake_by" );
 	return time;
 }
 

@@ -172,7 +172,7 @@ TEST( Guard, AStopInBetweenHidesANewScene )
 		else if ( what == 2 )
 		{
 			lw_guard_answer stop;
-			ASSERT_EQ( LW_OK, lw_guard_stop( guard.get(), rng.uniform( 0, 0.5 ), &stop ) );
+			ASSERT_EQ( LW_OK, lw_guard_stop( guard.get(), rng.uniform( 0, 0.5 ), INFINITY, &stop ) );
 			ASSERT_EQ( stop.verdict, LW_VERDICT_FREE );
 			ASSERT_EQ( stop.stamp, stamp );
 		}
@@ -196,23 +196,51 @@ TEST( Guard, AMotionThatHasEndedReadsAsFree )
 	EXPECT_NE( ask( guard.get(), 4 ).verdict, LW_VERDICT_FREE );
 }
 
+// A clock of ten microseconds a look. A block at the end makes the last window long.
 TEST( Guard, ABudgetThatEndsReadsAsFree )
 {
 	Rail rail;
+	const double deceleration = 5;
 	lw_guard_def def = guardOf( rail.checker.get(), 2 );
 	double time = 0;
 	def.window = 0.25;
-	def.microseconds = ten; // each look at it takes ten
+	def.microseconds = ten;
 	def.user = &time;
+	def.braking = 0;
+	def.deceleration = &deceleration;
 	const GuardPtr guard = makeGuard( def, rail.clock );
-	for ( int i = 1; i <= 8; ++i )
+	ASSERT_EQ( LW_OK, rail.publish( guard.get(), 2.2 + 2e-3, 1 ) );
+	double proved = 0;
+	int calls = 1;
+	for ( lw_guard_answer answer = ask( guard.get(), 0, 15 ); answer.verdict != LW_VERDICT_FREE;
+	      answer = ask( guard.get(), 0, 10.0 * ( 2 + ++calls / 10 ) ) )
 	{
-		const lw_guard_answer answer = ask( guard.get(), 0, 15 );
-		EXPECT_EQ( answer.windows, 1u );
-		EXPECT_EQ( answer.verdict, i < 8 ? LW_VERDICT_UNDECIDED : LW_VERDICT_FREE );
+		ASSERT_LT( calls, 200 );
+		EXPECT_EQ( answer.verdict, LW_VERDICT_UNDECIDED );
 		EXPECT_EQ( answer.pair.kind, LW_CLEARANCE_UNKNOWN );
-		EXPECT_NEAR( answer.proved_until, 0.25 * i, 1e-12 );
+		EXPECT_GE( answer.proved_until, proved );
+		proved = answer.proved_until;
 	}
+	EXPECT_GT( calls, 4 );
+	EXPECT_GT( proved, 1 );
+	// a budget for nothing
+	ASSERT_EQ( LW_OK, rail.publish( guard.get(), 2.2 + 3e-3, 2 ) );
+	EXPECT_EQ( ask( guard.get(), 0, 5 ).proved_until, 0 );
+	lw_guard_answer stop;
+	ASSERT_EQ( LW_OK, lw_guard_stop( guard.get(), 1, 5, &stop ) );
+	EXPECT_EQ( stop.verdict, LW_VERDICT_UNDECIDED );
+	EXPECT_EQ( stop.proved_until, 1 );
+	double latest = 0;
+	ASSERT_EQ( LW_OK, lw_guard_brake_by( guard.get(), 0, 2, 0.1, 5, &latest ) );
+	EXPECT_TRUE( std::isnan( latest ) ) << latest;
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_guard_stop( guard.get(), 1, 0, &stop ) );
+	// a block in the place in which it rests
+	ASSERT_EQ( LW_OK, rail.publish( guard.get(), 2, 3 ) );
+	for ( int budget = 5; budget < 300; budget += 10 )
+	{
+		EXPECT_NE( ask( guard.get(), 3, budget ).verdict, LW_VERDICT_FREE ) << budget;
+	}
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_guard_brake_by( guard.get(), 0, 2, 0.1, NAN, &latest ) );
 }
 
 TEST( Guard, ASceneThatCouldNotBePublishedReadsAsFree )
@@ -263,7 +291,7 @@ TEST( Guard, AStopEndsElsewhere )
 		ASSERT_EQ( LW_OK, rail.publish( guard.get(), middle, 1 ) );
 		const double from = rng.uniform( 0, 1.5 );
 		lw_guard_answer stop;
-		ASSERT_EQ( LW_OK, lw_guard_stop( guard.get(), from, &stop ) );
+		ASSERT_EQ( LW_OK, lw_guard_stop( guard.get(), from, INFINITY, &stop ) );
 		const double begin = std::min( from + reaction, 2.0 ), stands = begin + ( from + reaction < 2 ? way : 0 );
 		const double gap = contact - std::max( from, stands );
 		EXPECT_FALSE( gap < -1e-9 && stop.verdict == LW_VERDICT_FREE && from < contact )
@@ -278,7 +306,7 @@ TEST( Guard, AStopEndsElsewhere )
 		// the latest time of an order to stop
 		const lw_guard_answer answer = ask( guard.get(), 0 );
 		double latest = -1;
-		ASSERT_EQ( LW_OK, lw_guard_brake_by( guard.get(), 0, answer.proved_until, 0.01, &latest ) );
+		ASSERT_EQ( LW_OK, lw_guard_brake_by( guard.get(), 0, answer.proved_until, 0.01, INFINITY, &latest ) );
 		const double exact = contact - way - reaction;
 		if ( exact < -1e-9 && reaction > 0 ) // at 0 it has not begun to move
 		{
@@ -334,7 +362,7 @@ TEST( Guard, RefusesBadSettings )
 	EXPECT_EQ( answer.verdict, LW_VERDICT_UNKNOWN );
 	EXPECT_EQ( lw_guard_ask( guard.get(), 0, 0, &answer ), LW_ERROR_INVALID_ARGUMENT );
 	EXPECT_EQ( lw_guard_ask( guard.get(), 0, 100, &answer ), LW_ERROR_INVALID_ARGUMENT ) << "a budget without a clock";
-	EXPECT_EQ( lw_guard_stop( guard.get(), 0, &answer ), LW_ERROR_INVALID_ARGUMENT ) << "nothing brakes";
+	EXPECT_EQ( lw_guard_stop( guard.get(), 0, INFINITY, &answer ), LW_ERROR_INVALID_ARGUMENT ) << "nothing brakes";
 	double latest;
-	EXPECT_EQ( lw_guard_brake_by( guard.get(), 0, 1, 0, &latest ), LW_ERROR_INVALID_ARGUMENT );
+	EXPECT_EQ( lw_guard_brake_by( guard.get(), 0, 1, 0, INFINITY, &latest ), LW_ERROR_INVALID_ARGUMENT );
 }

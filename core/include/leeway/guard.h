@@ -18,7 +18,7 @@ typedef struct lw_guard_def
 	const lw_clock* clock;     ///< as lw_clock_check() accepts it; copied, with all its arrays
 	double end;                ///< seconds: the motion is guarded until then
 	lw_timed_def timed;        ///< of all proofs. contact_resolution: of the first contact
-	double window;             ///< seconds, > 0: proved at a time. An answer is late by the proof of one window at most
+	double window;             ///< seconds, > 0: proved at a time; less where a budget does not suffice
 	/// The track that brakes; LW_INVALID_INDEX: none, lw_guard_stop() is then an error.
 	uint32_t braking;
 	const double* deceleration; ///< [variable_count of that track] radians and metres per squared second, > 0; copied
@@ -53,7 +53,8 @@ LW_API lw_status lw_guard_publish( lw_guard* guard, const lw_checker* checker, u
 typedef struct lw_guard_answer
 {
 	/// FREE: no clearance is at most min_d from `now` to the end, for all motions that the clock allows: proved.
-	/// BLOCKED, UNDECIDED: as of lw_timed_result, at `time`; UNDECIDED with `pair` UNKNOWN: the budget has ended before the proof: ask again.
+	/// BLOCKED, UNDECIDED: as of lw_timed_result, at `time`; UNDECIDED with `pair` UNKNOWN: the budget has ended before the proof: ask again,
+	/// and brake if proved_until comes too near.
 	/// UNKNOWN: an error; nothing is claimed.
 	lw_verdict verdict;
 	uint64_t stamp;      ///< of the world; 0: that of the def
@@ -68,21 +69,25 @@ typedef struct lw_guard_answer
 /// Reader: is the motion still free from now on? Proofs stay known: a call about the same world costs nothing, one after
 /// a change proves the pairs that changed.
 /// @param now seconds on the clock, finite. Earlier than in the call before: all is proved again
-/// @param budget microseconds, > 0; INFINITY: until all is known
+/// @param budget microseconds, > 0; INFINITY: until all is known. The answer comes as late as one step of the search takes: poses, or the pairs of a
+/// window once (core/docs/guard.md)
 /// @return LW_OK, LW_ERROR_INVALID_ARGUMENT (also: a budget without a clock), or that of lw_checker_timed(): verdict UNKNOWN
 LW_API lw_status lw_guard_ask( lw_guard* guard, double now, double budget, lw_guard_answer* out );
 
 /// Reader: is it free to be told to stop at `from`? The braking track goes on until from + reaction; then each variable decelerates by itself.
 /// All other tracks move on. Proved from `from` until it stands, in the newest world, all pairs.
 /// @param out time: FREE: when it stands
+/// @param budget as for lw_guard_ask(): UNDECIDED with `pair` UNKNOWN after it
 /// @return as lw_guard_ask(); LW_ERROR_INVALID_ARGUMENT also without a braking track
-LW_API lw_status lw_guard_stop( lw_guard* guard, double from, lw_guard_answer* out );
+LW_API lw_status lw_guard_stop( lw_guard* guard, double from, double budget, lw_guard_answer* out );
 
 /// Reader: until when may the order to stop wait? The latest of the times now + k * step, up to `until`, at which the motion is still
 /// proved and a stop is proved. Call it after lw_guard_ask(), with its proved_until.
-/// @param out_time seconds; NaN: no stop is proved, not even now
+/// @param budget as for lw_guard_ask(), of all stops
+/// @param out_time seconds; NaN: no stop is proved, not even now, or the budget has ended before one was: brake
 /// Cost: one lw_guard_stop() for each of these times, from the last one backwards.
-LW_API lw_status lw_guard_brake_by( lw_guard* guard, double now, double until, double step, double* out_time );
+LW_API lw_status lw_guard_brake_by( lw_guard* guard, double now, double until, double step, double budget,
+	double* out_time );
 
 /// Speed and separation: the robot slows down before people come too near (ISO/TS 15066:2016, 5.5.4; ISO 13855:2010).
 typedef struct lw_separation

@@ -4,6 +4,7 @@
 #include "base/math_inline.h"
 #include "checker/checker.h"
 #include "motion/edge.h"
+#include "query/query.h"
 
 #include <string.h>
 
@@ -12,6 +13,9 @@ enum
 	GUARD_COOKIE = 0x6c774764, // "lwGd"
 	MOST_TRIES = 4             ///< to take hold of the newest world: as often may the writer publish another one meanwhile
 };
+
+/// A window is not halved any more below this share.
+#define LEAST_SHARE 0x1p-10
 
 lw_guard_def lw_guard_def_default( void )
 {
@@ -151,6 +155,7 @@ lw_status lw_guard_create( const lw_guard_def* def, const lw_allocator* allocato
 	atomic_init( &g->bound, LWI_NO_WORLD );
 	atomic_init( &g->proved, LWI_NO_WORLD );
 	g->work = LWI_NO_WORLD;
+	g->share = 1;
 	g->base_from = -INFINITY;
 	lw_query_def query = lw_query_def_default();
 	query.spare_shapes = def->spare_shapes;
@@ -273,8 +278,19 @@ lw_status lw_guard_publish( lw_guard* g, const lw_checker* checker, uint64_t sta
 
 // ---- the reader ------------------------------------------------------------------------------------------------------
 
-bool lwi_guard_hold( lw_guard* g )
+bool lwi_guard_has_clock( const lw_guard* g, double budget )
 {
+	return budget > 0 && ( budget == INFINITY || g->def.microseconds != NULL );
+}
+
+bool lwi_guard_begin( lw_guard* g, double budget )
+{
+	g->query->deadline = ( lwi_deadline ){ 0 };
+	if ( budget < INFINITY )
+	{
+		const double now = g->def.microseconds( g->def.user );
+		g->query->deadline = ( lwi_deadline ){ g->def.microseconds, g->def.user, now + budget };
+	}
 	bool held = false;
 	for ( int i = 0; i < MOST_TRIES && !held; ++i )
 	{
@@ -301,16 +317,6 @@ lw_status lwi_guard_prove( lw_guard* g, const lw_checker* checker, const lw_cloc
 	atomic_store( &g->bound,
 		atomic_load( &g->reading ) ); // the query let go of the one before, which the writer kept until now
 	return status;
-}
-
-double lwi_guard_began( const lw_guard* g, double budget )
-{
-	return budget < INFINITY ? g->def.microseconds( g->def.user ) : 0;
-}
-
-bool lwi_guard_is_over( const lw_guard* g, double began, double budget )
-{
-	return budget < INFINITY && g->def.microseconds( g->def.user ) - began >= budget;
 }
 
 void lwi_guard_take( const lw_timed_result* r, lw_guard_answer* out )
@@ -349,27 +355,42 @@ static void begin_work( lw_guard* g, double now )
 	}
 }
 
+/// Takes the result of a window from `proved_to` to a time. One that the budget cut short decides nothing, and shows how much it suffices for.
+static void take_window( lw_guard* g, double to, const lw_timed_result* r )
+{
+	const bool cut =
+		r->verdict == LW_VERDICT_UNDECIDED && r->pair.kind == LW_CLEARANCE_UNKNOWN && lwi_query_is_late( g->query );
+	if ( r->verdict == LW_VERDICT_FREE )
+	{
+		g->is_known = true;
+		g->proved_to = to;
+		g->share = lwi_smaller( 2 * g->share, 1 );
+		return;
+	}
+	const bool gained = r->proved_until > g->proved_to;
+	g->is_known = cut && ( g->is_known || gained );
+	g->proved_to = lwi_larger( g->proved_to, r->proved_until );
+	g->share = cut && !gained ? lwi_larger( 0.5 * g->share, LEAST_SHARE ) : g->share;
+	g->is_stuck = !cut;
+	g->stuck = *r;
+}
+
 /// Proves window after window, until the end, a contact, or the end of the budget.
-static lw_status work_on( lw_guard* g, double end, double began, double budget, lw_guard_answer* out )
+static lw_status work_on( lw_guard* g, double end, lw_guard_answer* out )
 {
 	const lwi_world* world = &g->worlds[g->work];
 	const lw_checker* checker = g->needs_all ? world->full : world->changes;
 	lw_status status = LW_OK;
-	while (
-		status == LW_OK && ( g->proved_to < end || !g->is_known ) && !g->is_stuck && !lwi_guard_is_over( g, began, budget ) )
+	while ( status == LW_OK && ( g->proved_to < end || !g->is_known ) && !g->is_stuck && !lwi_query_is_late( g->query ) )
 	{
-		const double to = lwi_smaller( g->proved_to + g->def.window, end );
+		const double to = lwi_smaller( g->proved_to + g->share * g->def.window, end );
 		lw_timed_result r;
 		status = lwi_guard_prove( g, checker, &g->clock, g->proved_to, to, &g->def.timed, &r );
 		++out->windows;
-		g->is_known = status == LW_OK && r.verdict == LW_VERDICT_FREE;
-		g->is_stuck = status == LW_OK && !g->is_known;
-		if ( g->is_stuck )
+		if ( status == LW_OK )
 		{
-			g->stuck = r;
-			g->proved_to = lwi_larger( g->proved_to, r.proved_until );
+			take_window( g, to, &r );
 		}
-		g->proved_to = g->is_known ? to : g->proved_to;
 	}
 	return status;
 }
@@ -381,19 +402,18 @@ lw_status lw_guard_ask( lw_guard* g, double now, double budget, lw_guard_answer*
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
 	*out = lwi_guard_no_answer( now );
-	if ( g == NULL || !isfinite( now ) || !( budget > 0 ) || ( budget < INFINITY && g->def.microseconds == NULL ) )
+	if ( g == NULL || !isfinite( now ) || !lwi_guard_has_clock( g, budget ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
-	const double began = lwi_guard_began( g, budget );
-	if ( !lwi_guard_hold( g ) )
+	if ( !lwi_guard_begin( g, budget ) )
 	{
 		out->verdict = LW_VERDICT_UNDECIDED;
 		return LW_OK;
 	}
 	const double end = lwi_larger( now, g->def.end );
 	begin_work( g, now );
-	const lw_status status = work_on( g, end, began, budget, out );
+	const lw_status status = work_on( g, end, out );
 	out->stamp = g->stamp;
 	if ( status != LW_OK )
 	{

@@ -54,6 +54,7 @@ struct lw_guard
 	double proved_from, proved_to; ///< seconds: free in between
 	bool is_known;                 ///< a state at proved_to was proved
 	bool needs_all;                ///< all pairs, not only those that changed
+	double share;                  ///< of the window that is proved at a time: halved while a budget does not suffice for it
 	bool is_stuck;
 	lw_timed_result stuck; ///< the answer at the end of the proof
 	double base_from;      ///< seconds: every world that was proved until the end was proved from here on
@@ -63,14 +64,11 @@ struct lw_guard
 lw_status lwi_guard_prove( lw_guard* guard, const lw_checker* checker, const lw_clock* clock, double from, double to,
 	const lw_timed_def* def, lw_timed_result* out );
 
-/// Has a time since `began` passed?
-bool lwi_guard_is_over( const lw_guard* guard, double began, double budget );
+/// Can the guard's clock measure the budget?
+bool lwi_guard_has_clock( const lw_guard* guard, double budget );
 
-/// Of the guard's clock, if a budget needs it.
-double lwi_guard_began( const lw_guard* guard, double budget );
-
-/// Takes hold of the newest world. @return false: none is known
-bool lwi_guard_hold( lw_guard* guard );
+/// Begins a question: takes hold of the newest world; the query gives up after the budget. @return false: no world is known
+bool lwi_guard_begin( lw_guard* guard, double budget );
 
 lw_guard_answer lwi_guard_no_answer( double now );
 

@@ -3,6 +3,7 @@
 // Derivation: core/docs/guard.md.
 #include "base/math_inline.h"
 #include "guard/guard.h"
+#include "query/query.h"
 
 enum
 {
@@ -20,12 +21,11 @@ static bool is_distance( double x )
 	return x >= 0 && x < INFINITY;
 }
 
-static bool is_valid( const lw_guard* g, const lw_separation* def, double now, double age, double highest, double budget )
+static bool is_valid( const lw_guard* g, const lw_separation* def, double now, double age, double highest )
 {
 	bool valid = is_distance( def->speed ) && is_distance( def->intrusion ) && is_distance( def->reaction ) &&
 				 is_distance( age ) && isfinite( now ) && def->deceleration > 0 && def->deceleration < INFINITY &&
-				 highest > 0 && highest < INFINITY && def->grid >= 1 && def->grid <= MOST_GRID && budget > 0 &&
-				 ( budget == INFINITY || g->def.microseconds != NULL );
+				 highest > 0 && highest < INFINITY && def->grid >= 1 && def->grid <= MOST_GRID;
 	for ( uint32_t i = 0; i < g->clock.track_count; ++i )
 	{
 		valid = valid && g->clock.tracks[i].spread_speed == 0;
@@ -79,12 +79,11 @@ lw_status lw_guard_speed( lw_guard* g, const lw_separation* def, double now, dou
 	{
 		return LW_ERROR_INVALID_DEF;
 	}
-	if ( g == NULL || !is_valid( g, def, now, age, highest, budget ) )
+	if ( g == NULL || !lwi_guard_has_clock( g, budget ) || !is_valid( g, def, now, age, highest ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
-	const double began = lwi_guard_began( g, budget );
-	if ( !lwi_guard_hold( g ) )
+	if ( !lwi_guard_begin( g, budget ) )
 	{
 		out->next.verdict = LW_VERDICT_UNDECIDED;
 		return LW_OK;
@@ -93,7 +92,7 @@ lw_status lw_guard_speed( lw_guard* g, const lw_separation* def, double now, dou
 	out->stamp = world->stamp;
 	// scales of the grid: that of `proved` is proved, or 0; that of `open` is not, or beyond the highest
 	uint32_t proved = 0, open = def->grid + 1, k = def->grid;
-	while ( open - proved > 1 && !( out->proofs > 0 && lwi_guard_is_over( g, began, budget ) ) )
+	while ( open - proved > 1 && !lwi_query_is_late( g->query ) )
 	{
 		const double scale = k == def->grid ? highest : highest * k / def->grid;
 		const lw_status status = try_scale( g, world->full, def, now, age, scale, out );

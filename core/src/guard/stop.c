@@ -3,6 +3,7 @@
 #include "base/math_inline.h"
 #include "guard/guard.h"
 #include "motion/tracks.h"
+#include "query/query.h"
 
 #include <string.h>
 
@@ -105,22 +106,10 @@ static double make_stop( lw_guard* g, double from )
 	return begin + t;
 }
 
-lw_status lw_guard_stop( lw_guard* g, double from, lw_guard_answer* out )
+/// In the world that is held.
+static lw_status prove_stop( lw_guard* g, double from, lw_guard_answer* out )
 {
-	if ( out == NULL )
-	{
-		return LW_ERROR_INVALID_ARGUMENT;
-	}
 	*out = lwi_guard_no_answer( from );
-	if ( g == NULL || g->stop.track == NULL || !isfinite( from ) )
-	{
-		return LW_ERROR_INVALID_ARGUMENT;
-	}
-	if ( !lwi_guard_hold( g ) )
-	{
-		out->verdict = LW_VERDICT_UNDECIDED;
-		return LW_OK;
-	}
 	const lwi_world* world = &g->worlds[atomic_load( &g->reading )];
 	const double stands = make_stop( g, from );
 	lw_timed_result r;
@@ -136,22 +125,46 @@ lw_status lw_guard_stop( lw_guard* g, double from, lw_guard_answer* out )
 	return LW_OK;
 }
 
-lw_status lw_guard_brake_by( lw_guard* g, double now, double until, double step, double* out_time )
+lw_status lw_guard_stop( lw_guard* g, double from, double budget, lw_guard_answer* out )
+{
+	if ( out == NULL )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	*out = lwi_guard_no_answer( from );
+	if ( g == NULL || g->stop.track == NULL || !isfinite( from ) || !lwi_guard_has_clock( g, budget ) )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	if ( !lwi_guard_begin( g, budget ) )
+	{
+		out->verdict = LW_VERDICT_UNDECIDED;
+		return LW_OK;
+	}
+	return prove_stop( g, from, out );
+}
+
+lw_status lw_guard_brake_by( lw_guard* g, double now, double until, double step, double budget, double* out_time )
 {
 	if ( out_time == NULL )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
 	*out_time = NAN;
-	if ( !isfinite( now ) || !isfinite( until ) || !( step > 0 ) || !( ( until - now ) / step < 1e6 ) )
+	if ( g == NULL || g->stop.track == NULL || !isfinite( now ) || !isfinite( until ) || !( step > 0 ) ||
+		 !( ( until - now ) / step < 1e6 ) || !lwi_guard_has_clock( g, budget ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
-	for ( double k = floor( ( until - now ) / step ); k >= 0; --k )
+	if ( !lwi_guard_begin( g, budget ) )
+	{
+		return LW_OK;
+	}
+	for ( double k = floor( ( until - now ) / step ); k >= 0 && !lwi_query_is_late( g->query ); --k )
 	{
 		lw_guard_answer answer;
 		const double time = lwi_smaller( now + k * step, until );
-		const lw_status status = lw_guard_stop( g, time, &answer );
+		const lw_status status = prove_stop( g, time, &answer );
 		if ( status != LW_OK )
 		{
 			return status;

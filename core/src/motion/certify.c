@@ -254,7 +254,7 @@ bool lwi_edge_fail( lwi_edge* e, const lwi_edge_pair* pair, double t, const lwi_
 	{
 		out->verdict = s->blocked ? LW_VERDICT_BLOCKED : LW_VERDICT_UNDECIDED;
 		out->t = t;
-		out->self = lwi_edge_pair_is_self( pair );
+		out->self = pair != NULL && lwi_edge_pair_is_self( pair );
 		out->pair = s->clearance;
 	}
 	return false;

@@ -239,6 +239,11 @@ static bool prove_part( lwi_timed* w, lwi_timed_part part, int halvings )
 		w->out->proved_until = part.to;
 		return true;
 	}
+	const bool cut = lwi_query_is_late( w->query );
+	if ( cut && r.verdict == LW_VERDICT_UNDECIDED )
+	{
+		r.pair = lw_clearance_unknown(); // halves of the part might be proved
+	}
 	const double length = part.to - part.from, time = lwi_smaller( part.from + length * r.t, part.to );
 	const bool known = r.pair.kind != LW_CLEARANCE_UNKNOWN;
 	const bool inside = time >= w->start && time <= w->end;
@@ -251,7 +256,7 @@ static bool prove_part( lwi_timed* w, lwi_timed_part part, int halvings )
 		report( w, &r, LW_VERDICT_BLOCKED, time, r.verdict != LW_VERDICT_BLOCKED );
 		return false;
 	}
-	if ( r.verdict == LW_VERDICT_UNDECIDED && halvings < MOST_HALVINGS && is_worth_halving( w, &part ) )
+	if ( r.verdict == LW_VERDICT_UNDECIDED && halvings < MOST_HALVINGS && !cut && is_worth_halving( w, &part ) )
 	{
 		const double middle = part.from + 0.5 * length;
 		const lwi_timed_part left = { part.from, middle, part.degree }, right = { middle, part.to, part.degree };
@@ -275,10 +280,16 @@ static bool prove( lwi_timed* w, double from, double to )
 	return free;
 }
 
+/// May the search for the first contact take another step?
+static bool may_search( const lwi_timed* w, double low, double contact, double resolution )
+{
+	return contact - low > resolution && w->status == LW_OK && !lwi_query_is_late( w->query );
+}
+
 /// Bisects the times from `low`, which is behind all that is proved, to a contact for the earliest contact that these times show.
 static void bisect_states( lwi_timed* w, double low, double resolution, lw_timed_result* contact )
 {
-	for ( int i = 0; i < MOST_STEPS_TO_CONTACT && contact->time - low > resolution && w->status == LW_OK; ++i )
+	for ( int i = 0; i < MOST_STEPS_TO_CONTACT && may_search( w, low, contact->time, resolution ); ++i )
 	{
 		const double middle = low + 0.5 * ( contact->time - low );
 		if ( !( middle > low && middle < contact->time ) )
@@ -304,7 +315,7 @@ static void find_first_contact( lwi_timed* w, double resolution )
 	double low = out->proved_until, share = 0.5;
 	lw_timed_result contact = *out;
 	w->def.slack *= CONTACT_SLACK;
-	for ( int i = 0; i < MOST_STEPS_TO_CONTACT && contact.time - low > resolution && w->status == LW_OK; ++i )
+	for ( int i = 0; i < MOST_STEPS_TO_CONTACT && may_search( w, low, contact.time, resolution ); ++i )
 	{
 		const double part = share * ( contact.time - low ), middle = low + part;
 		if ( !( middle > low && middle < contact.time ) || part < 0.1 * resolution )

@@ -351,6 +351,7 @@ static inline bool lwi_edge_cell_is_open( const lwi_edge_pair* pair, uint64_t ce
 }
 
 /// The verdict for a sample that ends the proof; always false. An undecided verdict never replaces a collision found elsewhere.
+/// @param pair NULL: it is of none
 bool lwi_edge_fail( lwi_edge* edge, const lwi_edge_pair* pair, double t, const lwi_edge_sample* sample );
 
 /// Lower bound of the static bodies' clearance; +infinity if the query does not cover them.

@@ -202,7 +202,7 @@ static bool look_at_lanes( lwi_edge* e )
 static void probe_undecided( lwi_edge* e )
 {
 	const lw_edge_result* out = e->out;
-	if ( out->verdict != LW_VERDICT_UNDECIDED )
+	if ( out->verdict != LW_VERDICT_UNDECIDED || lwi_query_is_late( e->query ) )
 	{
 		return;
 	}
@@ -303,6 +303,11 @@ static bool take_first( lwi_edge* e )
 static bool step( lwi_edge* e )
 {
 	lwi_work* w = &e->work;
+	const lwi_edge_sample given_up = { .clearance = lw_clearance_unknown() };
+	if ( lwi_query_is_late( e->query ) )
+	{
+		return lwi_edge_fail( e, NULL, 0, &given_up );
+	}
 	if ( w->head == w->tail )
 	{
 		return take_first( e );
@@ -314,7 +319,6 @@ static bool step( lwi_edge* e )
 	const lwi_edge_window window = place_of( e, &cell );
 	if ( cell.level > LWI_EDGE_MAX_DEPTH )
 	{
-		const lwi_edge_sample given_up = { .clearance = lw_clearance_unknown() };
 		return lwi_edge_fail( e, &e->pairs.all[cell.pair], window.t - window.half, &given_up );
 	}
 	const bool high = measure_cell( e, w->windows + at, count, &open );
@@ -396,7 +400,7 @@ static bool is_enough( const lwi_edge* e, double proved, uint32_t enough )
 double lwi_edge_proved_run( lwi_edge* e )
 {
 	// Where nothing moves there is one state, which is not proved: within its tolerance it may be too near
-	if ( !( lwi_edge_static_lower( e ) > e->def->min_d ) || !( e->path.longest > 0 ) )
+	if ( lwi_query_is_late( e->query ) || !( lwi_edge_static_lower( e ) > e->def->min_d ) || !( e->path.longest > 0 ) )
 	{
 		return 0;
 	}

@@ -105,6 +105,14 @@ typedef struct lwi_query_scratch
 	bool* lane_body_is_posed;      ///< [bodies]
 } lwi_query_scratch;
 
+/// When the questions of a query give up. Owner: the guard.
+typedef struct lwi_deadline
+{
+	double ( *microseconds )( void* user ); ///< NULL: never
+	void* user;
+	double end;
+} lwi_deadline;
+
 struct lw_query
 {
 	lwi_search_memory search; ///< of pairs of shapes: distance/
@@ -112,9 +120,16 @@ struct lw_query
 	lwi_query_cache cache;
 	lwi_query_scratch scratch;
 	lwi_query_sizes capacity; ///< as created
+	lwi_deadline deadline;
 	lw_allocator allocator;
 	size_t bytes;
 };
+
+static inline bool lwi_query_is_late( const lw_query* query )
+{
+	const lwi_deadline* deadline = &query->deadline;
+	return deadline->microseconds != NULL && deadline->microseconds( deadline->user ) >= deadline->end;
+}
 
 /// A cached pair pays only if its last clearance was below the cutoff: where a call wants contact or a margin, measuring a
 /// farther pair only costs.

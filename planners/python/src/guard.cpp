@@ -131,16 +131,20 @@ void bindQuestions( nb::class_<PyGuard>& type )
 	    "UNDECIDED; ask again. A call about the same world costs nothing." );
 	type.def(
 	    "stop",
-	    []( PyGuard& self, double start )
-	    { return answerOf( self, self.asked( [&]( motions::Guard& g ) { return g.stop( start ); } ) ); },
-	    "start"_a, nb::sig( "def stop(self, start: float) -> leeway.results.GuardAnswer" ),
-	    "Is the robot free to be told to stop at `start`? FREE: proved until it stands, at `time`. Needs decelerations." );
+	    []( PyGuard& self, double start, double budget )
+	    { return answerOf( self, self.asked( [&]( motions::Guard& g ) { return g.stop( start, budget ); } ) ); },
+	    "start"_a, "budget"_a = unlimited,
+	    nb::sig( "def stop(self, start: float, budget: float = float('inf')) -> leeway.results.GuardAnswer" ),
+	    "Is the robot free to be told to stop at `start`? FREE: proved until it stands, at `time`. Needs decelerations. budget: as for ask()." );
 	type.def(
 	    "brake_by",
-	    []( PyGuard& self, double now, double until, double step )
-	    { return self.asked( [&]( motions::Guard& g ) { return g.brakeBy( now, until, step ); } ); },
-	    "now"_a, "until"_a, "step"_a = 1e-3,
-	    "Seconds: the latest of now, now + step, ... until, at which a stop is still proved; NaN if none is. until: proved_until of ask()." );
+	    []( PyGuard& self, double now, double until, double step, double budget )
+	    { return self.asked( [&]( motions::Guard& g ) { return g.brakeBy( now, until, step, budget ); } ); },
+	    "now"_a, "until"_a, "step"_a = 1e-3, "budget"_a = unlimited,
+	    nb::sig(
+	        "def brake_by(self, now: float, until: float, step: float = 0.001, budget: float = float('inf')) -> float" ),
+	    "Seconds: the latest of now, now + step, ... until, at which a stop is still proved; NaN if none is, or the budget ended before. until:\n"
+	    "proved_until of ask()." );
 	const lw_separation usual = lw_separation_default();
 	type.def(
 	    "speed",

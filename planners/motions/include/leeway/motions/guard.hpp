@@ -48,9 +48,9 @@ public:
 	/// @param budget microseconds @throws io::Error
 	lw_guard_answer ask( double now, double budget = no_budget );
 	/// @throws io::Error
-	lw_guard_answer stop( double from );
+	lw_guard_answer stop( double from, double budget = no_budget );
 	/// NaN if no stop is proved. @throws io::Error
-	double brakeBy( double now, double until, double step );
+	double brakeBy( double now, double until, double step, double budget = no_budget );
 	/// @throws io::Error
 	lw_guard_scale speed(
 	    const lw_separation& separation, double now, double age, double highest = 1, double budget = no_budget );
