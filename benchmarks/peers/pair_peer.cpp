@@ -423,3 +423,32 @@ bool PairPeer::selfCollides()
 {
 	return anyOf( m_self_pairs, 0, [&]( std::uint32_t a, std::uint32_t b ) { return m_engine->collides( a, b ); } );
 }
+
+bool PairPeer::isFreeAtStates( const std::vector<double>& from, const std::vector<double>& to, std::uint32_t states )
+{
+	const auto free = [&]( double t )
+	{
+		std::vector<double> q( from.size() );
+		for ( std::size_t i = 0; i < q.size(); ++i )
+		{
+			q[i] = from[i] + t * ( to[i] - from[i] );
+		}
+		pose( q.data() );
+		return !environmentCollides() && !selfCollides();
+	};
+	const std::uint32_t n = std::max( 1u, states - 1 );
+	std::uint32_t stride = 1;
+	bool all = free( 1 ) && free( 0 );
+	while ( stride < n )
+	{
+		stride *= 2;
+	}
+	for ( stride /= 2; all && stride > 0; stride /= 2 )
+	{
+		for ( std::uint32_t i = stride; all && i < n; i += 2 * stride )
+		{
+			all = free( static_cast<double>( i ) / n );
+		}
+	}
+	return all;
+}

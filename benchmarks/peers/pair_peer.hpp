@@ -55,6 +55,8 @@ public:
 	std::vector<NearBodies> nearPairs( double bound );
 	bool selfWithin( double margin );
 	bool selfCollides();
+	/// Is the straight motion of the group free at so many states of equal steps? The end, the start, then halving, as LW_EDGE_STEPS.
+	bool isFreeAtStates( const std::vector<double>& from, const std::vector<double>& to, std::uint32_t states );
 
 	/// Of the bodies that stand still to the scene: part of every environment answer.
 	double staticDistance() const { return m_static_distance; }

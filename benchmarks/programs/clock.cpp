@@ -162,36 +162,6 @@ private:
 	std::vector<lw_track> m_tracks;
 };
 
-/// FCL at the same states as Hall::sample(): the end, the start, then halving.
-bool sampleByFcl( FclPeer& peer, const std::vector<double>& a, const std::vector<double>& b, std::uint32_t states )
-{
-	const auto free = [&]( double t )
-	{
-		std::vector<double> q( a.size() );
-		for ( std::size_t i = 0; i < q.size(); ++i )
-		{
-			q[i] = a[i] + t * ( b[i] - a[i] );
-		}
-		peer.pose( q.data() );
-		return !peer.environmentCollides() && !peer.selfCollides();
-	};
-	const std::uint32_t n = std::max( 1u, states - 1 );
-	std::uint32_t stride = 1;
-	bool all = free( 1 ) && free( 0 );
-	while ( stride < n )
-	{
-		stride *= 2;
-	}
-	for ( stride /= 2; all && stride > 0; stride /= 2 )
-	{
-		for ( std::uint32_t i = stride; all && i < n; i += 2 * stride )
-		{
-			all = free( static_cast<double>( i ) / n );
-		}
-	}
-	return all;
-}
-
 class ClockBench
 {
 public:
@@ -364,8 +334,8 @@ private:
 			contenders.push_back( { "fcl", [&]( const double* q )
 			    {
 				    const ClockMotion& motion = motions[number( q )];
-				    return Answer{ 0, double( sampleByFcl( *fcl, hall.end( motion, false ), hall.end( motion, true ),
-				                          counts[number( q )] ) ) };
+				    return Answer{ 0, double( fcl->isFreeAtStates(
+				                          hall.end( motion, false ), hall.end( motion, true ), counts[number( q )] ) ) };
 			    } } );
 		}
 		const std::vector<Run> runs = race( contenders, numbers( motions.size() ), m_settings.repetitions );

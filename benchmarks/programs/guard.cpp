@@ -2,9 +2,11 @@
 // A motion that runs while one object moves: the guard's answer, a proof of the rest from nothing, and states at steps of 1 cm.
 //
 // Panda in MotionBenchMaker's scenes, and ARMAR-III's right arm in the cluttered kitchen; robots of the zoo in generated scenes, and random ones. Of the times
-// of the guard the writer's part is a row of its own: it runs on another thread. A stop: 20 ms of reaction, then 5 rad/s^2. Exit status 1 if the guard says FREE
+// of the guard the writer's part is a row of its own: it runs on another thread. A stop: 20 ms of reaction, then 5 rad/s^2. FCL looks at the
+// same states as "states at 1 cm", for the answers that are judged and where the motion seems free. Exit status 1 if the guard says FREE
 // and the whole proof BLOCKED, or the other way round, or if a judge that knows neither finds a contact in a part that an answer calls proved.
 #include "leeway/guard.h"
+#include "peers/fcl_peer.hpp"
 #include "planning/generated_problems.hpp"
 #include "programs/commands.hpp"
 #include "support/edge_worlds.hpp"
@@ -147,53 +149,57 @@ leeway::Scene shifted( const EdgeWorld& world, const OwnedTrack& track, SeededRn
 	return leeway::Scene::adopt( moved );
 }
 
-/// The rest of the motion, by states.
-bool seemsFree( const lw_checker* checker, lw_query* query, const OwnedTrack& track, double now )
+/// The straight pieces of a part of the motion.
+std::vector<Motion> piecesOf( const OwnedTrack& track, double begin, double end )
+{
+	std::vector<Motion> pieces;
+	for ( const OwnedPiece& piece : track.pieces )
+	{
+		const double from = std::max( begin, piece.start ), to = std::min( end, piece.end );
+		if ( from < to )
+		{
+			pieces.emplace_back();
+			for ( std::size_t v = 0; v < track.variables.size(); ++v )
+			{
+				pieces.back().from.push_back( track.at( v, from ) );
+				pieces.back().to.push_back( track.at( v, to ) );
+			}
+		}
+	}
+	return pieces;
+}
+
+/// Pieces by states. @param states [out] of each piece that was looked at
+bool seemsFree(
+    const lw_checker* checker, lw_query* query, const std::vector<Motion>& pieces, std::vector<std::uint32_t>& states )
 {
 	lw_edge_def steps = lw_edge_def_default();
 	steps.method = LW_EDGE_STEPS;
 	steps.max_d = 0.01;
-	bool free = true;
-	for ( std::size_t i = 0; i < track.pieces.size() && free; ++i )
+	states.clear();
+	for ( const Motion& piece : pieces )
 	{
-		const OwnedPiece& piece = track.pieces[i];
-		if ( piece.end > now )
+		lw_edge_result r;
+		leeway::require( lw_checker_edge( checker, query, piece.from.data(), piece.to.data(), &steps, &r ), "steps" );
+		states.push_back( r.queries );
+		if ( r.verdict != LW_VERDICT_FREE )
 		{
-			std::vector<double> from( track.variables.size() );
-			for ( std::size_t v = 0; v < from.size(); ++v )
-			{
-				from[v] = track.at( v, std::max( now, piece.start ) );
-			}
-			lw_edge_result r;
-			leeway::require(
-			    lw_checker_edge( checker, query, from.data(), piece.points.data() + from.size(), &steps, &r ), "steps" );
-			free = r.verdict == LW_VERDICT_FREE;
+			return false;
 		}
 	}
-	return free;
+	return true;
 }
 
-/// Is a contact in the part of the motion that an answer calls proved? Brute force over all pairs, on the motion from `now` to the end of the proof.
-bool isRefuted( const EdgeWorld& world, const lw_scene* scene, const OwnedTrack& track, double now, double proved_until )
+/// Is a contact in pieces that an answer calls proved? Brute force over all pairs.
+bool isRefuted( const EdgeWorld& world, const lw_scene* scene, const std::vector<Motion>& pieces )
 {
 	EdgeAuditor auditor( world.robot.get(), scene, world.variables, world.reference.data(), world.allowed );
-	bool contact = false;
-	for ( std::size_t i = 0; i < track.pieces.size() && !contact; ++i )
-	{
-		const double begin = std::max( now, track.pieces[i].start ), end = std::min( proved_until, track.pieces[i].end );
-		if ( begin < end )
-		{
-			std::vector<double> from, to;
-			for ( std::size_t v = 0; v < track.variables.size(); ++v )
-			{
-				from.push_back( track.at( v, begin ) );
-				to.push_back( track.at( v, end ) );
-			}
-			// the end of the proof itself may be the contact
-			contact = auditor.look( world.full( from ).data(), world.full( to ).data(), 0, 1 - 1e-9 ).contact;
-		}
-	}
-	return contact;
+	return std::any_of( pieces.begin(), pieces.end(),
+	    [&]( const Motion& piece )
+	    {
+		    // the end of the proof itself may be the contact
+		    return auditor.look( world.full( piece.from ).data(), world.full( piece.to ).data(), 0, 1 - 1e-9 ).contact;
+	    } );
 }
 
 struct Times
@@ -302,6 +308,7 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 	lw_guard_answer answer;
 	leeway::require( lw_guard_ask( guard.get(), 0, INFINITY, &answer ), "lw_guard_ask" );
 	leeway::Checker now = world.with_tables;
+	const auto models = std::make_shared<FclModels>();
 	for ( int i = 1; i <= changes; ++i )
 	{
 		const leeway::Scene scene = shifted( world, clock.tracks[0], rng );
@@ -316,15 +323,16 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 		times.of["guard"].push_back( microseconds(
 		    [&] { leeway::require( lw_guard_ask( guard.get(), from, INFINITY, &answer ), "lw_guard_ask" ); } ) );
 		lw_guard_answer stop;
-		times.of["a stop"].push_back(
-		    microseconds( [&] { leeway::require( lw_guard_stop( guard.get(), from, INFINITY, &stop ), "lw_guard_stop" ); } ) );
+		times.of["a stop"].push_back( microseconds(
+		    [&] { leeway::require( lw_guard_stop( guard.get(), from, INFINITY, &stop ), "lw_guard_stop" ); } ) );
 		if ( answer.verdict != LW_VERDICT_FREE )
 		{
 			double latest = 0;
 			times.of["latest order to stop"].push_back( microseconds(
-			    [&] {
-				    leeway::require(
-				        lw_guard_brake_by( guard.get(), from, answer.proved_until, 0.02, INFINITY, &latest ), "lw_guard_brake_by" );
+			    [&]
+			    {
+				    leeway::require( lw_guard_brake_by( guard.get(), from, answer.proved_until, 0.02, INFINITY, &latest ),
+				        "lw_guard_brake_by" );
 			    } ) );
 		}
 		const leeway::Checker owner = edited( world.with_tables.get(), scene.get() );
@@ -332,8 +340,12 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 		lw_timed_result whole;
 		times.of["whole proof"].push_back( microseconds( [&]
 		    { leeway::require( lw_checker_timed( full, query.get(), &view, from, end, &def.timed, &whole ), "timed" ); } ) );
+		const std::vector<Motion> rest = piecesOf( clock.tracks[0], from, end );
+		std::vector<std::uint32_t> states;
+		bool seems_free = false;
 		times.of["states at 1 cm"].push_back(
-		    microseconds( [&] { times.hash.add( seemsFree( full, query.get(), clock.tracks[0], from ) ); } ) );
+		    microseconds( [&] { seems_free = seemsFree( full, query.get(), rest, states ); } ) );
+		times.hash.add( seems_free );
 		times.free += answer.verdict == LW_VERDICT_FREE;
 		times.blocked += answer.verdict == LW_VERDICT_BLOCKED;
 		times.contradictions += ( answer.verdict == LW_VERDICT_FREE && whole.verdict == LW_VERDICT_BLOCKED ) ||
@@ -342,7 +354,19 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 		if ( rng.uniform( 0, 1 ) < settings.judged && answer.proved_until > from )
 		{
 			++times.judged;
-			times.refuted += isRefuted( world, scene.get(), clock.tracks[0], from, answer.proved_until );
+			times.refuted += isRefuted( world, scene.get(), piecesOf( clock.tracks[0], from, answer.proved_until ) );
+			if ( seems_free )
+			{
+				FclPeer fcl( full, models, world.allowed );
+				times.of["FCL at those, if free"].push_back( microseconds(
+				    [&]
+				    {
+					    for ( std::size_t k = 0; k < rest.size(); ++k )
+					    {
+						    fcl.isFreeAtStates( rest[k].from, rest[k].to, states[k] );
+					    }
+				    } ) );
+			}
 		}
 	}
 }
