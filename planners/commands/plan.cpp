@@ -638,15 +638,22 @@ void noteUsual( const MotionLimits& limits, Notices& notices )
 		    fmt::format( "no acceleration limit of {}: {:g} (rad/s^2 or m/s^2) is kept; --joint-limits sets others",
 		        listed( limits.usual ), default_acceleration ) );
 	}
+	if ( !limits.usual_jerk.empty() )
+	{
+		notices.add( "jerks", fmt::format( "no jerk limit of {}: {:g} times that of the acceleration, per second, is kept; "
+		                                   "--joint-limits sets others",
+		                          listed( limits.usual_jerk ), default_jerk ) );
+	}
 }
 
-/// The trajectory that stops at the path's corners, proved as it is driven.
+/// The trajectory along the path, proved as it is driven.
 TrajectoryAudit writeTrajectory( const Input& input, const Workbench& bench, const Solution& solution,
-    const MotionLimits& motion, const TrajectorySettings& settings, OutputFile& file )
+    const MotionLimits& motion, const TrajectorySettings& settings, double path_tolerance, OutputFile& file )
 {
-	const std::vector<Segment> segments = stopAtCorners( bench.problem(), solution.points, motion );
-	file.text = robotTrajectory( bench.problem(), segments );
-	return auditTrajectory( bench.problem(), input.robot, "the path", segments, settings );
+	const TrajectoryFile timed = timedPath( bench.problem(), solution.points, motion, { settings.edge, path_tolerance } );
+	file.text = robotTrajectory( timed );
+	return auditTrajectory( bench.problem(), input.robot, timed.file,
+	    segmentsOf( bench.problem(), timed, settings.interpolation, 0 ), settings );
 }
 
 /// Tables only save work: a plan that finds none in the cache takes less time without them than they take.
@@ -743,7 +750,8 @@ int runPlan( const PlanOptions& options )
 	if ( good && wants_trajectory )
 	{
 		const TrajectorySettings as_driven = trajectorySettings( options, limits );
-		const TrajectoryAudit proof = writeTrajectory( input, bench, solution, motion, as_driven, timed );
+		const TrajectoryAudit proof =
+		    writeTrajectory( input, bench, solution, motion, as_driven, options.path_tolerance, timed );
 		driven = describe( proof );
 		is_driven_free = proof.valid();
 		if ( is_driven_free )

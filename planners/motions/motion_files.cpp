@@ -106,7 +106,7 @@ void noteUnknownLimits(
 {
 	const std::vector<std::string> known = variableNames( robot );
 	std::set<std::string> unknown;
-	for ( const std::map<std::string, double>* of_kind : { &limits.velocity, &limits.acceleration } )
+	for ( const std::map<std::string, double>* of_kind : { &limits.velocity, &limits.acceleration, &limits.jerk } )
 	{
 		for ( const auto& [name, value] : *of_kind )
 		{

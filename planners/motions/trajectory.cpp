@@ -215,19 +215,25 @@ void checkLimits( const io::Problem& problem, const io::RobotModel& robot, const
 	for ( std::size_t v = 0; v < names.size(); ++v )
 	{
 		const lw_variable_info info = lw_robot_variable( problem.robot.get(), problem.variables[v] );
-		double urdf = HUGE_VAL;
+		double urdf[3] = { HUGE_VAL, HUGE_VAL, HUGE_VAL };
 		for ( const io::JointModel& joint : robot.joints )
 		{
-			urdf = joint.name == names[v] && joint.velocity > 0 ? joint.velocity : urdf;
+			const double own[3] = { joint.velocity, joint.acceleration, joint.jerk };
+			for ( int i = 0; i < 3 && joint.name == names[v]; ++i )
+			{
+				urdf[i] = own[i] > 0 ? own[i] : urdf[i];
+			}
 		}
 		const bool shift = lw_robot_joint_type( problem.robot.get(), info.joint ) == LW_JOINT_PRISMATIC;
-		const double speed = given( limits.velocity, names[v], urdf );
-		const double force = given( limits.acceleration, names[v], HUGE_VAL );
+		const double speed = given( limits.velocity, names[v], urdf[0] );
+		const double force = given( limits.acceleration, names[v], urdf[1] );
 		const Limit position{ info.wraps ? -HUGE_VAL : info.lower, info.wraps ? HUGE_VAL : info.upper, "position",
 		    shift ? "m" : "rad", limit_tolerance };
 		const Limit velocity{ -speed, speed, "velocity", shift ? "m/s" : "rad/s", 1e-6 * speed };
+		const double most_jerk = given( limits.jerk, names[v], urdf[2] );
 		const Limit acceleration{ -force, force, "acceleration", shift ? "m/s^2" : "rad/s^2", 1e-6 * force };
-		bool told[3] = { false, false, false };
+		const Limit jerk{ -most_jerk, most_jerk, "jerk", shift ? "m/s^3" : "rad/s^3", 1e-6 * most_jerk };
+		bool told[4] = { false, false, false, false };
 		for ( const Segment& segment : segments )
 		{
 			std::vector<double> own;
@@ -236,10 +242,12 @@ void checkLimits( const io::Problem& problem, const io::RobotModel& robot, const
 				own.push_back( segment.points[i * names.size() + v] );
 			}
 			const std::vector<double> first = derivative( own, segment.seconds ),
-			                          second = derivative( first, segment.seconds );
+			                          second = derivative( first, segment.seconds ),
+			                          third = derivative( second, segment.seconds );
 			told[0] = told[0] || exceeds( segment, own, names[v], position, problems );
 			told[1] = told[1] || exceeds( segment, first, names[v], velocity, problems );
 			told[2] = told[2] || exceeds( segment, second, names[v], acceleration, problems );
+			told[3] = told[3] || exceeds( segment, third, names[v], jerk, problems );
 		}
 	}
 }

@@ -422,17 +422,19 @@ JointLimits readJointLimits( const std::string& file )
 		if ( !joint.second.IsMap() )
 		{
 			throw io::Error( file, fmt::format( "joint_limits.{} (line {})", name, joint.first.Mark().line + 1 ),
-			    "is no map", "give has_velocity_limits, max_velocity, has_acceleration_limits and max_acceleration" );
+			    "is no map", "give has_velocity_limits, max_velocity, and the same of acceleration and jerk" );
 		}
 		checkLimitKeys( file, "joint_limits." + name, joint.second,
-		    { "has_velocity_limits", "max_velocity", "has_acceleration_limits", "max_acceleration" },
-		    { "has_position_limits", "min_position", "max_position", "min_velocity", "min_acceleration", "has_jerk_limits",
-		        "max_jerk", "has_deceleration_limits", "max_deceleration", "has_effort_limits", "max_effort",
-		        "angle_wraparound", "has_soft_limits", "k_position", "k_velocity", "soft_lower_limit", "soft_upper_limit" },
+		    { "has_velocity_limits", "max_velocity", "has_acceleration_limits", "max_acceleration", "has_jerk_limits",
+		        "max_jerk" },
+		    { "has_position_limits", "min_position", "max_position", "min_velocity", "min_acceleration", "min_jerk",
+		        "has_deceleration_limits", "max_deceleration", "has_effort_limits", "max_effort", "angle_wraparound",
+		        "has_soft_limits", "k_position", "k_velocity", "soft_lower_limit", "soft_upper_limit" },
 		    limits.notices );
 		readLimit( file, name, joint.second, "has_velocity_limits", "max_velocity", limits.velocity, limits.notices );
 		readLimit(
 		    file, name, joint.second, "has_acceleration_limits", "max_acceleration", limits.acceleration, limits.notices );
+		readLimit( file, name, joint.second, "has_jerk_limits", "max_jerk", limits.jerk, limits.notices );
 	}
 	return limits;
 }

@@ -192,8 +192,14 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	command->add_option( "--out", options.out, "the path; without it, standard output" )->type_name( "path.yaml" );
 	command->add_option( "--trajectory", options.trajectory, "the path, timed, proved as it is driven" )
 	    ->type_name( "FILE" );
-	rare( command->add_option( "--joint-limits", options.joint_limits, "of the trajectory: velocities and accelerations" )
-	          ->type_name( "joint_limits.yaml" ) );
+	rare(
+	    command->add_option( "--joint-limits", options.joint_limits, "of the trajectory: velocities, accelerations, jerks" )
+	        ->type_name( "joint_limits.yaml" ) );
+	rare(
+	    command
+	        ->add_option( "--path-tolerance", options.path_tolerance,
+	            "of the trajectory, radians and metres: how far it may round a corner; 0: it stops there (default: as far as is proved)" )
+	        ->type_name( "R" ) );
 	command->add_option( "--report", options.report, "times, counts, clearances and the audit as JSON" )
 	    ->type_name( "report.json" );
 	addCertificateOption( *command, options.certificate );

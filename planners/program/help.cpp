@@ -203,7 +203,7 @@ joint_trajectory. --profile: s,edge,t,environment,self of all measured states.
 A trajectory. Between two points it is straight, cubic (velocities) or quintic (accelerations), as ROS 2's
 joint_trajectory_controller drives it; --interpolation auto chooses by the data of the points. Every segment is proved to keep all
 clearances above --min-d at all times, for all motions that stay within --tolerance of it; without one, that of the file's
-path_tolerance. Positions, velocities and accelerations are compared with the limits of the robot and of --joint-limits at all
+path_tolerance. Positions, velocities, accelerations and jerks are compared with the limits of the robot and of --joint-limits at all
 times. The report names the first violation: time, joint state, pair and clearance.
 
 FILE: trajectory_msgs/JointTrajectory, a FollowJointTrajectory goal, moveit_msgs/RobotTrajectory or DisplayTrajectory (several

@@ -110,6 +110,10 @@ void validate( const CLI::App& chosen, const PlanOptions& options )
 	{
 		requirePositive( "--clearance-goal", options.clearance_goal );
 	}
+	if ( chosen.get_option( "--path-tolerance" )->count() > 0 )
+	{
+		requireNotNegative( "--path-tolerance", options.path_tolerance );
+	}
 	if ( chosen.get_option( "--threads" )->count() > 0 )
 	{
 		requirePositive( "--threads", options.threads );

@@ -245,7 +245,7 @@ void addTrajectoryOptions( CLI::App& app, std::string& interpolation, std::strin
 {
 	rare( app.add_option( "--interpolation", interpolation, "between points of a trajectory (default auto)" )
 	          ->type_name( "auto|linear|cubic|quintic" ) );
-	rare( app.add_option( "--joint-limits", joint_limits, "of a trajectory: velocities and accelerations" )
+	rare( app.add_option( "--joint-limits", joint_limits, "of a trajectory: velocities, accelerations, jerks" )
 	          ->type_name( "joint_limits.yaml" ) );
 }
 

@@ -126,6 +126,7 @@ struct PlanOptions
 	std::vector<std::string> goal_poses; ///< LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW
 	std::string planner;                 ///< empty: Leeway, and SBL for the second half of the time
 	std::string out, report, trajectory, joint_limits, certificate, view;
+	double path_tolerance = HUGE_VAL;
 	double time = 0;           ///< seconds; 0 = the request's allowed_planning_time, else 60
 	double optimize = 0;       ///< seconds for shorter paths after the first
 	double clearance_goal = 0; ///< metres above min_d, up to which the path is pushed away; 0: no

@@ -147,6 +147,22 @@ class Motions(NamedTuple):
         return f"Motions({counts})"
 
 
+class Timed(NamedTuple):
+    """A trajectory at rest at both ends, with quintic pieces between its points."""
+    times: Array  #: float64 [n]: seconds
+    positions: Array  #: float64 [n, dof]
+    velocities: Array  #: float64 [n, dof]
+    accelerations: Array  #: float64 [n, dof]
+
+    @property
+    def duration(self) -> float:
+        """Seconds."""
+        return float(self.times[-1])
+
+    def __repr__(self) -> str:
+        return f"Timed({len(self.times)} points, {self.duration:.3g} s)"
+
+
 class LinkSpheres(NamedTuple):
     """Spheres that enclose a link."""
     spheres: Array  #: float64 [n, 4]: x, y, z and radius in the link's frame

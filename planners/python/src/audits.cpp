@@ -9,11 +9,13 @@
 #include "leeway/motions/motion_files.hpp"
 #include "leeway/motions/path_file.hpp"
 #include "leeway/motions/states.hpp"
+#include "leeway/motions/timed.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -249,12 +251,12 @@ motions::JointLimits limitsOf( const nb::object& given )
 		{
 			const auto what = nb::cast<std::string>( key );
 			const double number = nb::cast<double>( value );
-			if ( ( what != "max_velocity" && what != "max_acceleration" ) || !( number > 0 && std::isfinite( number ) ) )
+			if ( ( what != "max_velocity" && what != "max_acceleration" && what != "max_jerk" ) || !( number > 0 && std::isfinite( number ) ) )
 			{
 				throw nb::value_error(
-				    ( "joint_limits: " + name + ": give max_velocity and max_acceleration, numbers above 0" ).c_str() );
+				    ( "joint_limits: " + name + ": give max_velocity, max_acceleration and max_jerk, numbers above 0" ).c_str() );
 			}
-			( what == "max_velocity" ? limits.velocity : limits.acceleration )[name] = number;
+			( what == "max_velocity" ? limits.velocity : what == "max_jerk" ? limits.jerk : limits.acceleration )[name] = number;
 		}
 	}
 	return limits;
@@ -286,6 +288,47 @@ nb::object auditTrajectory( const PyChecker& checker, const nb::object& times, c
 		append( append( notices, trajectory.notices ), drive.notices() );
 	}
 	return dictWithNotices( toJson( drive.whole() ), notices );
+}
+
+nb::object timedPath( const PyChecker& checker, const Doubles& path, const nb::object& joint_limits, double path_tolerance,
+    double min_d, double slack, const std::string& check, const nb::object& tolerance )
+{
+	const Rows rows = rowsOf( path, checker.variables(), "path", "variables of the group" );
+	if ( rows.count == 0 || !( path_tolerance >= 0 ) )
+	{
+		throw nb::value_error( rows.count == 0 ? "path: is empty" : "path_tolerance: is no number of 0 or more" );
+	}
+	std::vector<std::vector<double>> points;
+	for ( std::size_t i = 0; i < rows.count; ++i )
+	{
+		points.emplace_back( rows[i], rows[i] + rows.width );
+	}
+	motions::TimingSettings settings;
+	settings.edge.min_d = min_d;
+	settings.edge.slack = slack;
+	settings.edge.flags = checkFlags( check );
+	settings.path_tolerance = path_tolerance;
+	const std::vector<double> room = toleranceOf( checker, "path", {}, tolerance );
+	settings.edge.tolerance = room.empty() ? nullptr : room.data();
+	const motions::MotionLimits limits = motionLimits( *checker.problem, *checker.model, limitsOf( joint_limits ) );
+	motions::TrajectoryFile timed;
+	{
+		const nb::gil_scoped_release unlocked;
+		timed = motions::timedPath( *checker.problem, points, limits, settings );
+	}
+	const std::size_t n = timed.points.size();
+	const NewArray<double> times( { n } ), positions( { n, rows.width } ), velocities( { n, rows.width } ),
+	    accelerations( { n, rows.width } );
+	for ( std::size_t i = 0; i < n; ++i )
+	{
+		const motions::TrajectoryPoint& point = timed.points[i];
+		times.data[i] = point.time;
+		std::copy( point.positions.begin(), point.positions.end(), positions.data + i * rows.width );
+		std::copy( point.velocities.begin(), point.velocities.end(), velocities.data + i * rows.width );
+		std::copy( point.accelerations.begin(), point.accelerations.end(), accelerations.data + i * rows.width );
+	}
+	return result(
+	    "Timed", nb::make_tuple( times.object, positions.object, velocities.object, accelerations.object ) );
 }
 
 nb::object analysePairs( const PyRobot& robot, double seconds, const Whole& samples, const Whole& seed,
@@ -432,9 +475,20 @@ void bindAudits( nb::module_& module, nb::class_<PyChecker>& type )
 	    "--trajectory`.\n\n"
 	    "times: a file (JointTrajectory, RobotTrajectory, DisplayTrajectory, FollowJointTrajectory goal, CSV), or float64 [n] seconds with\n"
 	    "positions, velocities, accelerations float64 [n, dof]. joint_limits: MoveIt's joint_limits.yaml, or {joint: {\"max_velocity\": x,\n"
-	    "\"max_acceleration\": y}}; other velocities are those of the URDF. tolerance: float64 [dof]. Returns the program's report: valid,\n"
+	    "\"max_acceleration\": y, \"max_jerk\": z}}; others are those of the URDF. tolerance: float64 [dof]. Returns the program's report: valid,\n"
 	    "verdict, lower_bound, problems (limits, jumps), the first violation with time, pair, clearance and state; notices, lines: what was read and has no say, and\n"
 	    "a way to a first point after 0 s that nobody proved." );
+	type.def( "timed", &timedPath, "path"_a, nb::kw_only(), "joint_limits"_a = nb::none(),
+	    "path_tolerance"_a = std::numeric_limits<double>::infinity(), "min_d"_a = 0.0, "slack"_a = slack, "check"_a = "both",
+	    "tolerance"_a = nb::none(),
+	    nb::sig(
+	        "def timed(self, path: numpy.typing.ArrayLike, *, joint_limits: str | os.PathLike | dict[str, dict[str, float]] | None = None, "
+	        "path_tolerance: float = float('inf'), min_d: float = 0.0, slack: float = 0.001, check: str = 'both', "
+	        "tolerance: numpy.typing.ArrayLike | None = None) -> leeway.results.Timed" ),
+	    "A fast trajectory along a proved path, at rest at both ends: the timing of `leeway plan --trajectory`. trajectory() proves it as it is driven.\n\n"
+	    "path: float64 [n, dof], with free edges. joint_limits: as for audit_trajectory(), with max_jerk; else those of the URDF, an acceleration of 1 and\n"
+	    "a jerk of 10 times that. path_tolerance: radians and metres, corners are rounded within it as far as they are proved free; 0: the robot stops\n"
+	    "at each. min_d, slack, check, tolerance: of these proofs." );
 	const pairs::Settings reach;
 	module.def( "pairs", &analysePairs, "robot"_a, nb::kw_only(), "seconds"_a = 15.0,
 	    "samples"_a.none() = reach.reach.def.samples, "seed"_a.none() = reach.reach.def.seed, "never_after"_a.none() = 0,

@@ -152,7 +152,7 @@ TEST_F( CliTrajectory, ProfileIsMeasuredOnTheCurve )
 	EXPECT_GT( table.number( 0, "environment" ), 0.01 );
 }
 
-TEST_F( CliTrajectory, PlannedTrajectoryStopsAtCornersAndKeepsItsLimits )
+TEST_F( CliTrajectory, PlannedTrajectoryRoundsItsCornersAndKeepsItsLimits )
 {
 	write( "limits.yaml", "joint_limits:\n  elbow:\n    has_acceleration_limits: true\n    max_acceleration: 0.5\n" );
 	const Outcome plan = runModel( "plan",
@@ -165,9 +165,35 @@ TEST_F( CliTrajectory, PlannedTrajectoryStopsAtCornersAndKeepsItsLimits )
 	const Outcome audited = audit( { "t.json", "--min-d", "0.001", "--joint-limits", "limits.yaml" } );
 	EXPECT_EQ( audited.status, 0 ) << audited.out << audited.err;
 	EXPECT_TRUE( contains( audited.out, std::to_string( points.size() - 1 ) + " quintic" ) ) << audited.out;
-	for ( const nlohmann::json& point : points )
+	const nlohmann::json rest = { 0.0, 0.0 };
+	const auto stops = [&rest]( const nlohmann::json& of )
 	{
-		EXPECT_EQ( point["velocities"], nlohmann::json( { 0.0, 0.0 } ) );
+		return std::count_if(
+		    of.begin(), of.end(), [&]( const nlohmann::json& point ) { return point["velocities"] == rest; } );
+	};
+	EXPECT_EQ( stops( points ), 2 );
+	EXPECT_EQ( points.front()["velocities"], rest );
+	EXPECT_EQ( points.back()["accelerations"], rest );
+	const Outcome slow = runModel( "plan",
+	    { "--request", "request.yaml", "--out", "path.yaml", "--trajectory", "stops.json", "--min-d", "0.001",
+	        "--joint-limits", "limits.yaml", "--path-tolerance", "0" },
+	    "blocked.yaml" );
+	ASSERT_EQ( slow.status, 0 ) << slow.out << slow.err;
+	const nlohmann::json stopping = nlohmann::json::parse( readFile( path( "stops.json" ) ) )["joint_trajectory"]["points"];
+	EXPECT_GT( stops( stopping ), 2 );
+	const auto seconds = []( const nlohmann::json& of )
+	{
+		const nlohmann::json& time = of.back()["time_from_start"];
+		return time["sec"].get<double>() + 1e-9 * time["nanosec"].get<double>();
+	};
+	EXPECT_GT( seconds( stopping ), seconds( points ) );
+	for ( const char* bad : { "-0.1", "nan" } )
+	{
+		EXPECT_EQ( runModel( "plan", { "--request", "request.yaml", "--trajectory", "t2.json", "--path-tolerance", bad },
+		               "blocked.yaml" )
+		               .status,
+		    2 )
+		    << bad;
 	}
 	// as fast as the limits allow: half of one of them is too little
 	write( "half.yaml",
@@ -399,7 +425,8 @@ TEST_F( CliTrajectory, FlagsOfJointLimitsAreBooleansOrErrors )
 	EXPECT_TRUE(
 	    contains( with( "    has_velocity_limits: true\n    max_velocty: 0.01\n" ).err, "is max_velocity meant?" ) );
 	EXPECT_TRUE( contains( with( "    max_velocity: 0.01\n" ).err, "there is no has_velocity_limits" ) );
-	EXPECT_TRUE( contains( with( "    has_jerk_limits: true\n    max_jerk: 0.01\n" ).err, "max_jerk (line 4)" ) );
+	EXPECT_TRUE( contains( with( "    has_effort_limits: true\n    max_effort: 0.01\n" ).err, "max_effort (line 4)" ) );
+	EXPECT_EQ( with( "    has_jerk_limits: true\n    max_jerk: 0.01\n" ).err, "" );
 	EXPECT_EQ( with( "    true\n" ).status, 2 );
 	write( "limits.yaml", "joint_limits:\n  sholder:\n    has_velocity_limits: true\n    max_velocity: 0.01\n" );
 	EXPECT_TRUE( contains( audit( { "t.csv", "--joint-limits", "limits.yaml" } ).err, "joint_limits.sholder" ) );

@@ -141,9 +141,9 @@ struct JointModel
 	std::string parent, child; ///< links
 	lw_transform parent_from_joint;
 	double axis[3] = { 1, 0, 0 };
-	double lower = 0, upper = 0; ///< as lw_joint_def
-	double velocity = 0;         ///< limit of the URDF; 0 if none
-	std::string mimic;           ///< joint name; empty if none
+	double lower = 0, upper = 0;                     ///< as lw_joint_def
+	double velocity = 0, acceleration = 0, jerk = 0; ///< limits of the URDF (the last two of version 1.2); 0 if none
+	std::string mimic;                               ///< joint name; empty if none
 	double mimic_multiplier = 1, mimic_offset = 0;
 };
 

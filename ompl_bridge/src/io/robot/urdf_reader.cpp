@@ -221,7 +221,7 @@ void checkJoint( const XmlFile& xml, const XMLElement& joint, const std::string&
 	}
 	if ( limit != nullptr )
 	{
-		for ( const char* attribute : { "lower", "upper", "effort", "velocity" } )
+		for ( const char* attribute : { "lower", "upper", "effort", "velocity", "acceleration", "jerk" } )
 		{
 			if ( limit->Attribute( attribute ) != nullptr )
 			{
@@ -465,6 +465,9 @@ JointModel readJoint( const XmlFile& xml, const XMLElement& element, const urdf:
 	if ( joint.limits )
 	{
 		model.velocity = joint.limits->velocity;
+		const XMLElement& limit = *element.FirstChildElement( "limit" ); // urdfdom 3 does not know all of them
+		model.acceleration = limit.DoubleAttribute( "acceleration" );
+		model.jerk = limit.DoubleAttribute( "jerk" );
 		if ( limited )
 		{
 			model.lower = joint.limits->lower;

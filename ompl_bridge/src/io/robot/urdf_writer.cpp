@@ -67,6 +67,14 @@ void addJoint( XMLElement& root, const JointModel& joint )
 		setNumber( *limit, "upper", std::isfinite( joint.upper ) ? joint.upper : none );
 		setNumber( *limit, "effort", 0 );
 		setNumber( *limit, "velocity", joint.velocity );
+		for ( const auto& [name, value] :
+		    { std::pair( "acceleration", joint.acceleration ), std::pair( "jerk", joint.jerk ) } )
+		{
+			if ( value > 0 )
+			{
+				setNumber( *limit, name, value );
+			}
+		}
 	}
 	if ( !joint.mimic.empty() )
 	{

@@ -1,35 +1,49 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Time parametrisation of a path, with a stop at each corner: the robot drives the proved straight edges.
+// Time parametrisation of a path: as fast as limits of velocity, acceleration and jerk allow, with corners rounded as far as the proof allows.
 #pragma once
 
 #include "leeway/motions/trajectory.hpp"
 
+#include <cmath>
 #include <string>
 #include <vector>
 
 namespace leeway::motions
 {
 
-/// Largest velocity and acceleration of each variable of the group.
+/// Limits of each variable of the group.
 struct MotionLimits
 {
-	std::vector<double> velocity, acceleration; ///< [group variables]
-	std::vector<std::string> usual; ///< variables without a limit of the acceleration, which keep default_acceleration
+	std::vector<double> velocity, acceleration, jerk; ///< [group variables]
+	std::vector<std::string> usual;      ///< variables without a limit of the acceleration, which keep default_acceleration
+	std::vector<std::string> usual_jerk; ///< variables without a limit of the jerk, which keep default_jerk
 };
 
 /// rad/s^2 or m/s^2 of joints that no file limits, as MoveIt has it.
 constexpr double default_acceleration = 1;
+/// Per second, times the limit of the acceleration: in a tenth of a second it is reached.
+constexpr double default_jerk = 10;
 
-/// Velocities of `limits`, else of the robot; accelerations of `limits`, else default_acceleration.
+/// Those of `limits`, else of the robot (acceleration and jerk of a <limit> are URDF 1.2), else the defaults.
 /// @throws io::Error for a joint without a velocity limit, and for floating joints
 MotionLimits motionLimits( const io::Problem& problem, const io::RobotModel& robot, const JointLimits& limits );
 
-/// A quintic for each edge, at rest at both ends, as fast as the limits allow. Angles go on without wrapping.
-/// @param points group states, at least one
-std::vector<Segment> stopAtCorners(
-    const io::Problem& problem, const std::vector<std::vector<double>>& points, const MotionLimits& limits );
+struct TimingSettings
+{
+	lw_edge_def edge = lw_edge_def_default(); ///< of the proofs of roundings
+	/// Radians and metres, Euclidean: no rounding is farther from the path (MoveIt's path_tolerance); 0: the robot stops at each corner.
+	double path_tolerance = HUGE_VAL;
+};
 
-/// The points of such segments as a moveit_msgs/RobotTrajectory: JSON, which is YAML too.
-std::string robotTrajectory( const io::Problem& problem, const std::vector<Segment>& segments );
+/// A motion along a path, at rest at both ends. Edges are driven by double-S profiles, corners on quintics at a constant speed from edge to edge, each as
+/// large as is proved free, so the acceleration is continuous. Angles go on without wrapping. How fast: core/docs/motions.md.
+/// @param points group states, at least one; their edges are proved
+/// @return points with velocities and accelerations, between which quintics are driven: auditTrajectory() proves them
+/// @throws CoreError
+TrajectoryFile timedPath( const io::Problem& problem, const std::vector<std::vector<double>>& points,
+    const MotionLimits& limits, const TimingSettings& settings );
+
+/// As a moveit_msgs/RobotTrajectory: JSON, which is YAML too.
+std::string robotTrajectory( const TrajectoryFile& trajectory );
 
 } // namespace leeway::motions

@@ -42,10 +42,10 @@ std::vector<TrajectoryFile> readTrajectories( const std::string& file );
 /// Limits by joint; NaN = none.
 struct JointLimits
 {
-	std::map<std::string, double> velocity, acceleration;
+	std::map<std::string, double> velocity, acceleration, jerk;
 	std::vector<io::Notice> notices; ///< keys that are not used
 };
-/// MoveIt's joint_limits.yaml: has_velocity_limits, max_velocity, has_acceleration_limits, max_acceleration. A flag is a boolean as
+/// MoveIt's joint_limits.yaml: has_velocity_limits, max_velocity, and the same of acceleration and jerk. A flag is a boolean as
 /// yaml-cpp reads it (true, yes, on, y in one case).
 /// @throws io::Error
 JointLimits readJointLimits( const std::string& file );
