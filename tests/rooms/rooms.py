@@ -41,6 +41,7 @@ HOUSES = [
         ("reachability", "motion hulls, proofs and tables of pairs, clearance grids"),
         ("checker", "one group of one robot in one scene: states"),
         ("motion", "are all states of an edge free?"),
+        ("constraint", "is a frame where it should be, all along a motion?"),
         ("near", "all near pairs of a state, directions and derivatives"),
         ("guard", "a motion that runs while scenes change"),
         ("cloud", "voxels of depth cameras and scanners: frames in, scenes out"),

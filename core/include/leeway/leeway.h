@@ -8,6 +8,7 @@
 #include "leeway/checker.h"
 #include "leeway/clock.h"
 #include "leeway/cloud.h"
+#include "leeway/constraint.h"
 #include "leeway/depth.h"
 #include "leeway/detail.h"
 #include "leeway/distance.h"

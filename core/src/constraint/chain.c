@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// See chain.h. Each joint becomes turns about z and shifts along z between constant poses; a joint that leads up is the inverse of the same.
+// Derivatives of products: Leibniz; of turns: Faà di Bruno's formula, with its Bell polynomials. Derivation: core/docs/constraints.md.
+#include "constraint/chain.h"
+#include "base/math_inline.h"
+#include "base/sincos.h"
+#include "motion/edge.h"
+#include "robot/robot.h"
+
+#include <string.h>
+
+// ---- rates -----------------------------------------------------------------------------------------------------------
+
+lwi_rates lwi_rates_of_turn( const lwi_rates* angle )
+{
+	const double a = angle->of[0], b = angle->of[1], c = angle->of[2], d = angle->of[3];
+	return ( lwi_rates ){
+		{ a, a * a + b, a * a * a + 3 * a * b + c, a * a * a * a + 6 * a * a * b + 3 * b * b + 4 * a * c + d } };
+}
+
+void lwi_rates_add( lwi_rates* to, double scale, const lwi_rates* rates )
+{
+	for ( int m = 0; m < LWI_ORDERS; ++m )
+	{
+		to->of[m] += scale * rates->of[m];
+	}
+}
+
+// ---- making ----------------------------------------------------------------------------------------------------------
+
+/// A chain under construction: `pending` is the constant pose behind the last part.
+typedef struct builder
+{
+	lwi_chain* chain;
+	const lwi_checker_base* base;
+	lw_transform pending;
+} builder;
+
+static uint32_t joints_up( const lw_robot* robot, uint32_t link, uint32_t ancestor )
+{
+	uint32_t count = 0;
+	for ( ; link != ancestor && robot->link_joint[link] != LW_INVALID_INDEX; ++count )
+	{
+		link = robot->joints[robot->link_joint[link]].parent;
+	}
+	return count;
+}
+
+static uint32_t top_link( const lw_robot* robot )
+{
+	return robot->link_order[0];
+}
+
+/// The lowest link above both; the world counts as the root.
+static uint32_t common_link( const lw_robot* robot, uint32_t a, uint32_t b )
+{
+	const bool world = a == LW_INVALID_INDEX || b == LW_INVALID_INDEX;
+	return world ? top_link( robot ) : lwi_robot_common_ancestor( robot, a, b );
+}
+
+uint32_t lwi_chain_most_parts( const lw_robot* robot, uint32_t base_link, uint32_t link )
+{
+	const uint32_t common = common_link( robot, base_link, link );
+	const uint32_t up = base_link == LW_INVALID_INDEX ? 0 : joints_up( robot, base_link, common );
+	const uint32_t down = link == LW_INVALID_INDEX ? 0 : joints_up( robot, link, common );
+	return 7 * ( up + down ); // variables of a floating joint; it has fewer parts
+}
+
+static void append_pose( builder* b, const lw_transform* pose )
+{
+	b->pending = lwi_multiply( &b->pending, pose );
+	b->chain->product_count += 1;
+}
+
+/// A rotation that takes z to a unit direction (Duff et al. 2017).
+static lw_transform frame_of( lw_vec3 n )
+{
+	const double sign = n.z < 0 ? -1 : 1, a = -1 / ( sign + n.z ), c = n.x * n.y * a;
+	return ( lw_transform ){ { { 1 + sign * n.x * n.x * a, c, n.x }, { sign * c, sign + n.y * n.y * a, n.y },
+								 { -sign * n.x, -n.y, n.z } },
+		{ 0, 0, 0 } };
+}
+
+/// The chain's number of an entry of the group's state.
+static uint32_t variable_of( lwi_chain* chain, uint32_t entry )
+{
+	uint32_t i = 0;
+	while ( i < chain->variable_count && chain->variables[i] != entry )
+	{
+		++i;
+	}
+	chain->variables[i] = entry;
+	chain->variable_count += i == chain->variable_count ? 1 : 0;
+	return i;
+}
+
+static void append_part( builder* b, lwi_chain_motion motion, uint32_t variable, double multiplier, double offset,
+	lw_vec3 axis )
+{
+	const lw_transform frame = frame_of( axis ), back = lw_transform_inverse( &frame );
+	append_pose( b, &frame );
+	b->chain->parts[b->chain->part_count] = ( lwi_chain_part ){ .motion = motion,
+		.variable = variable,
+		.multiplier = multiplier,
+		.offset = offset,
+		.before = b->pending,
+		.before_length = lwi_length( lwi_load( b->pending.t ) ) };
+	b->chain->part_count += 1;
+	b->pending = back;
+	b->chain->product_count += 1;
+}
+
+/// The motion of a joint of the group, behind its joint frame. @param sign -1: its inverse, in the reverse order
+static void append_motion( builder* b, const lwi_joint* joint, double sign )
+{
+	const lw_vec3 axis = lwi_load( joint->axis ), z = lwi_v3( 0, 0, 1 );
+	const double multiplier = sign * joint->multiplier, offset = sign * joint->offset;
+	const uint32_t* place = b->base->group.place + joint->variable;
+	const bool planar = joint->type == LW_JOINT_PLANAR, floating = joint->type == LW_JOINT_FLOATING;
+	if ( !planar && !floating )
+	{
+		append_part( b, joint->type == LW_JOINT_PRISMATIC ? LWI_CHAIN_SHIFT : LWI_CHAIN_TURN,
+			variable_of( b->chain, place[0] ), multiplier, offset, axis );
+		return;
+	}
+	const int shifts = planar ? 2 : 3, count = shifts + 1;
+	for ( int k = 0; k < count; ++k )
+	{
+		const int i = sign > 0 ? k : count - 1 - k;
+		const uint32_t variable = variable_of( b->chain, place[i] );
+		for ( int other = 1; floating && i == shifts && other < 4; ++other )
+		{
+			variable_of( b->chain, place[i + other] ); // the four follow each other: no other joint has them
+		}
+		const lw_vec3 unit = lwi_v3( i == 0, i == 1, i == 2 );
+		if ( i < shifts )
+		{
+			append_part( b, LWI_CHAIN_SHIFT, variable, sign, 0, planar ? lwi_load( joint->plane[i] ) : unit );
+		}
+		else
+		{
+			append_part( b, planar ? LWI_CHAIN_TURN : LWI_CHAIN_QUATERNION, variable, sign, 0, planar ? axis : z );
+		}
+	}
+}
+
+/// A joint on the way. @param sign 1: from its parent to its child; -1: back
+static void append_joint( builder* b, const lwi_joint* joint, double sign )
+{
+	const lwi_group* group = &b->base->group;
+	const bool moves =
+		!joint->constant && group->variable_count > 0 && group->variables[group->place[joint->variable]] == joint->variable;
+	lw_transform pose = joint->parent_from_joint;
+	if ( !moves && !joint->constant )
+	{
+		lwi_joint_move( joint, group->reference, &pose );
+	}
+	if ( sign > 0 )
+	{
+		append_pose( b, &pose );
+	}
+	if ( moves )
+	{
+		append_motion( b, joint, sign );
+	}
+	if ( sign < 0 )
+	{
+		const lw_transform back = lw_transform_inverse( &pose );
+		append_pose( b, &back );
+	}
+}
+
+void lwi_chain_fill( lwi_chain* chain, const lwi_checker_base* base, uint32_t base_link, const lw_transform* base_from_a,
+	uint32_t link, const lw_transform* link_from_b )
+{
+	const lw_robot* robot = base->robot;
+	const uint32_t common = common_link( robot, base_link, link );
+	builder b = { chain, base, lw_transform_inverse( base_from_a ) };
+	for ( uint32_t at = base_link; at != LW_INVALID_INDEX && at != common; )
+	{
+		const lwi_joint* joint = &robot->joints[robot->link_joint[at]];
+		append_joint( &b, joint, -1 );
+		at = joint->parent;
+	}
+	if ( base_link == LW_INVALID_INDEX && link != LW_INVALID_INDEX )
+	{
+		append_pose( &b, &robot->world_from_root );
+	}
+	if ( base_link != LW_INVALID_INDEX && link == LW_INVALID_INDEX )
+	{
+		const lw_transform back = lw_transform_inverse( &robot->world_from_root );
+		append_pose( &b, &back );
+	}
+	// downwards: the joint that has k joints of the way below it
+	for ( uint32_t k = link == LW_INVALID_INDEX ? 0 : joints_up( robot, link, common ); k > 0; --k )
+	{
+		uint32_t at = link;
+		for ( uint32_t i = 1; i < k; ++i )
+		{
+			at = robot->joints[robot->link_joint[at]].parent;
+		}
+		append_joint( &b, &robot->joints[robot->link_joint[at]], 1 );
+	}
+	append_pose( &b, link_from_b );
+	chain->tip = b.pending;
+}
+
+// ---- poses -----------------------------------------------------------------------------------------------------------
+
+static inline void turn_about_z( lw_transform* m, lwi_sincos by )
+{
+	for ( int i = 0; i < 3; ++i )
+	{
+		const double x = m->r[0][i], y = m->r[1][i];
+		m->r[0][i] = by.c * x - by.s * y;
+		m->r[1][i] = by.s * x + by.c * y;
+	}
+	const double x = m->t[0], y = m->t[1];
+	m->t[0] = by.c * x - by.s * y;
+	m->t[1] = by.s * x + by.c * y;
+}
+
+bool lwi_chain_pose( const lwi_chain* chain, const double* values, lw_transform* out, double* arms )
+{
+	lw_transform m = chain->tip;
+	for ( uint32_t i = chain->part_count; i > 0; --i )
+	{
+		const lwi_chain_part* part = &chain->parts[i - 1];
+		const double value = part->multiplier * values[part->variable] + part->offset;
+		if ( part->motion == LWI_CHAIN_TURN )
+		{
+			if ( arms != NULL )
+			{
+				arms[i - 1] = lwi_larger( arms[i - 1], sqrt( m.t[0] * m.t[0] + m.t[1] * m.t[1] ) );
+			}
+			turn_about_z( &m, lwi_sincos_of( value ) );
+		}
+		else if ( part->motion == LWI_CHAIN_SHIFT )
+		{
+			m.t[2] += value;
+		}
+		else
+		{
+			const double zero[3] = { 0, 0, 0 };
+			lw_transform turn;
+			if ( lw_transform_from_quaternion( zero, values + part->variable, &turn ) != LW_OK )
+			{
+				return false;
+			}
+			m = part->multiplier > 0 ? lwi_multiply( &turn, &m ) : lwi_relative( &turn, &m );
+		}
+		m = lwi_multiply( &part->before, &m );
+	}
+	*out = m;
+	return true;
+}
+
+// ---- bounds ----------------------------------------------------------------------------------------------------------
+
+/// The rates of a point behind a turn, by those in front of it and of the turn. @param arm its distance from the axis, at most
+static lwi_rates turned( const lwi_rates* point, const lwi_rates* turn, double arm )
+{
+	static const double binomial[LWI_ORDERS + 1][LWI_ORDERS + 1] = { { 1 }, { 1, 1 }, { 1, 2, 1 }, { 1, 3, 3, 1 },
+		{ 1, 4, 6, 4, 1 } };
+	lwi_rates out;
+	for ( int m = 1; m <= LWI_ORDERS; ++m )
+	{
+		double sum = point->of[m - 1] + turn->of[m - 1] * arm;
+		for ( int i = 1; i < m; ++i )
+		{
+			sum += binomial[m][i] * turn->of[i - 1] * point->of[m - i - 1];
+		}
+		out.of[m - 1] = sum;
+	}
+	return out;
+}
+
+/// From the tip to the base. A tube: each variable changes, the outermost first, and moves the tip on the arm that it has on the motion.
+void lwi_chain_bound( const lwi_chain* chain, const lwi_chain_variables* of, const double* arms, double reach,
+	lwi_chain_bounds* out )
+{
+	lwi_chain_bounds b = { 0 };
+	double length = lwi_length( lwi_load( chain->tip.t ) ), sizes = 1;
+	for ( uint32_t i = chain->part_count; i > 0; --i )
+	{
+		const lwi_chain_part* part = &chain->parts[i - 1];
+		const uint32_t v = part->variable;
+		const double scale = fabs( part->multiplier ), size = scale * of->size[v] + fabs( part->offset );
+		const double rounding = scale * of->rounding[v] + 4 * LWI_U64 * size, tolerance = scale * of->tolerance[v];
+		lwi_rates rates = { 0 };
+		lwi_rates_add( &rates, scale, &of->rates[v] );
+		if ( part->motion == LWI_CHAIN_TURN )
+		{
+			const double arm =
+				lwi_smaller( ( arms[i - 1] + reach * b.point.of[0] ) * LWI_EDGE_OUTWARD, length * LWI_EDGE_OUTWARD );
+			const lwi_rates turn = lwi_rates_of_turn( &rates );
+			b.point = turned( &b.point, &turn, arm );
+			lwi_rates_add( &b.turn, 1, &rates );
+			b.point_tube += tolerance * arm;
+			b.turn_tube += tolerance;
+			b.point_rounding += rounding * arm;
+			b.turn_rounding += rounding;
+		}
+		else if ( part->motion == LWI_CHAIN_SHIFT )
+		{
+			lwi_rates_add( &b.point, 1, &rates );
+			b.point_tube += tolerance;
+			b.point_rounding += rounding;
+			length += size;
+		}
+		length += part->before_length;
+		sizes += 1;
+	}
+	const double products = 64 * LWI_U64 * ( sizes + chain->product_count + 2 );
+	b.point_rounding += products * length;
+	b.turn_rounding = 2 * b.turn_rounding + products; // the Frobenius norm of a turn is at most sqrt( 2 ) of its angle
+	*out = b;
+}
