@@ -300,13 +300,61 @@ TrajectoryFile timedPath( const io::Problem& problem, const std::vector<std::vec
 	return out;
 }
 
+TrajectoryFile endsOf( const io::Problem& problem, const std::vector<Segment>& segments )
+{
+	const std::size_t count = problem.variable_names.size();
+	const bool quintic =
+	    std::all_of( segments.begin(), segments.end(), []( const Segment& s ) { return s.degree == 5 || s.seconds == 0; } );
+	TrajectoryFile out;
+	out.file = "the path";
+	out.joint_names = problem.variable_names;
+	// p: the last control point of a segment, or the first; before: the next two from that end
+	const auto add =
+	    [&]( const double* p, const double* before, const double* next, double seconds, double degree, double time )
+	{
+		TrajectoryPoint point;
+		point.time = time;
+		for ( std::size_t v = 0; v < count; ++v )
+		{
+			const double first = seconds != 0 ? degree * ( p[v] - before[v] ) / seconds + 0.0 : 0;
+			const double second =
+			    seconds != 0
+			        ? degree * ( degree - 1 ) * ( ( p[v] - before[v] ) - ( before[v] - next[v] ) ) / ( seconds * seconds ) +
+			              0.0
+			        : 0;
+			point.positions.push_back( p[v] );
+			point.velocities.push_back( first );
+			quintic ? point.accelerations.push_back( second ) : void();
+		}
+		out.points.push_back( std::move( point ) );
+	};
+	const Segment& first = segments.front();
+	const double* begin = first.points.data();
+	add( begin, begin + count, begin + std::min( 2u, first.degree ) * count, -first.seconds, first.degree, 0 );
+	for ( const Segment& segment : segments )
+	{
+		const double* end = segment.points.data() + segment.degree * count;
+		if ( segment.seconds > 0 )
+		{
+			add( end, end - count, end - std::min( 2u, segment.degree ) * count, segment.seconds, segment.degree,
+			    segment.begin + segment.seconds );
+		}
+	}
+	return out;
+}
+
 std::string robotTrajectory( const TrajectoryFile& trajectory )
 {
 	Json points = Json::array();
-	for ( const TrajectoryPoint& point : trajectory.points )
+	for ( const TrajectoryPoint& of : trajectory.points )
 	{
-		points.push_back( { { "positions", point.positions }, { "velocities", point.velocities },
-		    { "accelerations", point.accelerations }, { "time_from_start", timeFromStart( point.time ) } } );
+		Json point = { { "positions", of.positions }, { "velocities", of.velocities } };
+		if ( !of.accelerations.empty() )
+		{
+			point["accelerations"] = of.accelerations;
+		}
+		point["time_from_start"] = timeFromStart( of.time );
+		points.push_back( point );
 	}
 	Json out;
 	out["joint_trajectory"] = { { "joint_names", trajectory.joint_names }, { "points", points } };

@@ -132,6 +132,31 @@ void addTimedOptions( CLI::App& command, PlanOptions& options )
 	        ->type_name( "T" ) );
 }
 
+/// Those that make it a line: see runLine().
+void addLineOptions( CLI::App& command, LineOptions& line )
+{
+	command
+	    .add_option( "--line", line.poses,
+	        "in place of a goal, as --goal-pose: the link goes straight there, at all times; repeatable" )
+	    ->type_name( "POSE" )
+	    ->allow_extra_args( false );
+	rare( command.add_option( "--line-tip", line.tip, "the frame of --line in its link: X,Y,Z or X,Y,Z,QX,QY,QZ,QW" )
+	          ->type_name( "POSE" ) );
+	rare( command.add_option( "--line-frame", line.frame, "a link or object in whose frame the poses of --line are" )
+	          ->type_name( "NAME" ) );
+	rare( command.add_option( "--free-axis", line.free_axis, "X,Y,Z of the tip, about which it may turn" )
+	          ->type_name( "AXIS" ) );
+	rare(
+	    command.add_flag( "--any-start", line.any_start, "the first --line is the start, in any state that has the pose" ) );
+	rare( command.add_option( "--line-tolerance", line.tolerance, "metres, of each coordinate of the tip (default 0.0001)" )
+	          ->type_name( "M" ) );
+	rare( command.add_option( "--line-angle", line.angle, "radians, of its orientation (default 0.0017: 0.1 degrees)" )
+	          ->type_name( "RAD" ) );
+	rare( command.add_option( "--line-speed", line.speed, "metres per second, of the tip at most" )->type_name( "V" ) );
+	rare( command.add_option( "--line-attempts", line.attempts, "ways that are tried at most (default 100)" )
+	          ->type_name( "N" ) );
+}
+
 CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 {
 	CLI::App* command = app.add_subcommand( "plan", "plan a path, prove its edges, audit it" );
@@ -154,10 +179,10 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	    ->type_name( "START" );
 	command->add_option( "--request", options.common.request, "file with start and goal; --start and --goal override it" )
 	    ->type_name( "Q.yaml" );
-	command
-	    ->add_option( "--planner", options.planner,
-	        "Leeway, or a planner of OMPL (default: Leeway, then SBL for the second half of the time)" )
-	    ->type_name( "NAME" );
+	rare( command
+	          ->add_option( "--planner", options.planner,
+	              "Leeway, or a planner of OMPL, listed below (default: Leeway, then SBL for the second half of the time)" )
+	          ->type_name( "NAME" ) );
 	command
 	    ->add_option(
 	        "--time", options.time, "seconds for planning (default: the request's allowed_planning_time, else 60)" )
@@ -171,6 +196,7 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	            "no)" )
 	        ->type_name( "M" ) );
 	addTimedOptions( *command, options );
+	addLineOptions( *command, options.line );
 	rare( command->add_option( "--seed", options.seed, "seed of the random numbers, 1 or more (default 1)" )
 	          ->type_name( "N" ) );
 	rare(

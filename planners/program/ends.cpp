@@ -384,9 +384,9 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 			readGoalPose( pose, request );
 		}
 	}
-	else if ( !from_file )
+	else if ( !from_file && options.line.poses.empty() )
 	{
-		wrong( "--goal", "is missing", std::string( how_to_write ) + ", or give --goal-pose or --request Q.yaml" );
+		wrong( "--goal", "is missing", std::string( how_to_write ) + ", or give --goal-pose, --line or --request Q.yaml" );
 	}
 	ends.group = !options.common.group.empty() ? options.common.group : request.group;
 	if ( !options.start.empty() )

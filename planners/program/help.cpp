@@ -177,6 +177,11 @@ orientation), or position_constraints and orientation_constraints of the request
 kinematics finds up to eight free states that reach it, by --seed, and the planner goes to any of them. --goal-pose keeps within
 0.1 mm of the place and 0.001 rad of the orientation; a request has tolerances of its own.
 
+--line LINK=POSE takes the link's frame, or that of --line-tip, straight from where it starts to the pose, then to the next --line; without a
+quaternion the orientation stays, else it turns about one axis. "LINK=POSE via X,Y,Z" is the arc of a circle. Cubics of the joints are proved to stay
+within --line-tolerance and --line-angle, free and within the limits of the joints, at all times; the robot rests at each pose. --trajectory takes
+them (without it, standard output), --report the answer. A line that is not found names the place, and the joint or the pair in its way.
+
 Shortcuts simplify the path, and all its edges are checked once more; if one fails, the path before simplification is
 kept. The audit measures exact states so densely that near contact no robot point moves further than --resolution between
 two of them. A path that fails is not written. The same seed gives the same path, unless the planner uses several

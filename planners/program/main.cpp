@@ -236,7 +236,7 @@ int dispatch( const CLI::App& app, Commands& commands )
 		validate( *chosen, commands.plan.common );
 		validate( *chosen, commands.plan.edge, commands.plan.common );
 		validate( *chosen, commands.plan );
-		return runPlan( commands.plan );
+		return commands.plan.line.poses.empty() ? runPlan( commands.plan ) : runLine( commands.plan );
 	}
 	if ( name == "referee" )
 	{

@@ -118,10 +118,22 @@ struct EdgeCommandOptions
 	std::string edges, out;
 };
 
+/// Lines and arcs of a frame in the place of a goal.
+struct LineOptions
+{
+	std::vector<std::string> poses; ///< LINK=POSE, or LINK=POSE via X,Y,Z
+	std::string tip, frame, free_axis;
+	bool any_start = false;
+	double tolerance = 1e-4, angle = 0.0017; ///< metres, radians
+	double speed = std::numeric_limits<double>::infinity();
+	std::uint32_t attempts = 100;
+};
+
 struct PlanOptions
 {
 	CommonOptions common;
 	EdgeOptions edge;
+	LineOptions line;
 	std::string start, goal;             ///< joint=value,... or the name of a group_state; over those of the request
 	std::vector<std::string> goal_poses; ///< LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW
 	std::string planner;                 ///< empty: Leeway, and SBL for the second half of the time
@@ -265,6 +277,7 @@ int runSpherize( const SpherizeOptions& options );
 int runCheck( const CheckOptions& options );
 int runEdge( const EdgeCommandOptions& options );
 int runPlan( const PlanOptions& options );
+int runLine( const PlanOptions& options );
 int runAudit( const AuditOptions& options );
 int runTrajectoryAudit( const AuditOptions& options );
 int runReferee( const RefereeOptions& options );

@@ -65,6 +65,7 @@ HOUSES = [
         ("ik", "the library leeway::ik: goal states from poses of links"),
         ("certify", "the library leeway::certify: certificates of free motions; two checkers that share no code with it"),
         ("motions", "the library leeway::motions: files of paths and trajectories, roundings, audits with limits"),
+        ("lines", "the library leeway::lines: lines and arcs of a frame as trajectories that are proved to stay on them"),
         ("referee", "verdicts on paths, trajectories and regions of other planners; their files"),
         ("replay", "recorded drives before the guard: their files, answers and reports"),
         ("pairs", "the library leeway::pairs: tables of link pairs, the SRDF made from them; reports on links and obstacles"),

@@ -179,6 +179,21 @@ class GoalStates(NamedTuple):
         return f"GoalStates({len(self.states)} states{'; ' + self.message if self.message else ''})"
 
 
+class Line(NamedTuple):
+    """A frame's way along lines and arcs: cubics between points, proved. Only a solved one has points."""
+    solved: bool
+    times: Array  #: float64 [n], seconds
+    positions: Array  #: float64 [n, dof]
+    velocities: Array  #: float64 [n, dof]
+    position_error: float  #: metres, proved for all times: of each coordinate
+    angle_error: float  #: radians, proved for all times
+    attempts: int
+    message: str  #: where it ends, and the reason; empty if solved
+
+    def __repr__(self) -> str:
+        return f"Line({len(self.times)} points)" if self.solved else f"Line({self.message.splitlines()[0]})"
+
+
 class Plan(NamedTuple):
     """Result of a search. Only Outcome.SOLVED has a path; no other outcome says that there is none."""
     outcome: Outcome

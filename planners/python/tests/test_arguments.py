@@ -83,6 +83,8 @@ COUNTS = {
     "optimize_samples of plan": ("optimize_samples", 0, 2**64 - 1, lambda c, r, s: lambda n: c.plan(s[0], s[0], optimize_samples=n)),
     "seed of goal_states": ("seed", 0, 2**64 - 1, lambda c, r, s: lambda n: c.goal_states("hand", numpy.eye(4), seed=n)),
     "count of goal_states": ("count", 1, 2**32 - 1, lambda c, r, s: lambda n: c.goal_states("hand", numpy.eye(4), count=n)),
+    "seed of plan_line": ("seed", 0, 2**64 - 1, lambda c, r, s: lambda n: c.plan_line("hand", [[0.4, 0, 0.5], [0.4, 0.1, 0.5]], attempts=1, seed=n)),
+    "attempts of plan_line": ("attempts", 1, 2**32 - 1, lambda c, r, s: lambda n: c.plan_line("hand", [[9, 9, 9], [9, 9, 8]], attempts=n)),
     "seed of Reach": ("seed", 0, 2**64 - 1, lambda c, r, s: lambda n: leeway.Reach(r, seconds=0, seed=n)),
     "count of spheres": ("count", 0, 2**32 - 1, lambda c, r, s: lambda n: r.spheres(excess=0.1, count=n)),
     "count of enclosing_spheres": ("count", 0, 2**32 - 1, lambda c, r, s: lambda n: leeway.Shape.mesh(CUBE, FACES).enclosing_spheres(count=n)),

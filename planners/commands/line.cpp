@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway plan --line: a frame goes along lines and arcs.
+#include "leeway/lines/lines.hpp"
+#include "motions/csv.hpp"
+#include "motions/json.hpp"
+#include "program/ends.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace leeway::cli
+{
+namespace
+{
+
+[[noreturn]] void wrong( const std::string& option, const std::string& problem, const std::string& remedy )
+{
+	throw io::Error( "command line", option, problem, remedy );
+}
+
+/// Numbers with commas between them, as many as one of two counts.
+std::vector<double> numbersOf( const std::string& option, const std::string& text, std::size_t few, std::size_t many )
+{
+	std::vector<double> numbers;
+	for ( std::size_t from = 0; from <= text.size(); )
+	{
+		const std::size_t comma = std::min( text.find( ',', from ), text.size() );
+		const std::optional<double> value = finiteNumber( trimmed( text.substr( from, comma - from ) ) );
+		if ( !value )
+		{
+			wrong( option, fmt::format( "'{}' is not a finite number", text.substr( from, comma - from ) ), "give numbers" );
+		}
+		numbers.push_back( *value );
+		from = comma + 1;
+	}
+	if ( numbers.size() != few && numbers.size() != many )
+	{
+		wrong( option, fmt::format( "has {} numbers", numbers.size() ),
+		    few == many ? fmt::format( "give {}", few ) : fmt::format( "give {} or {}", few, many ) );
+	}
+	return numbers;
+}
+
+lw_transform poseOf( const std::string& option, const std::vector<double>& numbers )
+{
+	const double none[] = { 0, 0, 0, 1 };
+	const double* const turn = numbers.size() > 3 ? &numbers[3] : none;
+	const double length = std::hypot( std::hypot( turn[0], turn[1] ), std::hypot( turn[2], turn[3] ) );
+	lw_transform pose;
+	if ( !( std::fabs( length - 1 ) <= 0.01 ) || lw_transform_from_quaternion( numbers.data(), turn, &pose ) != LW_OK )
+	{
+		wrong( option, fmt::format( "the quaternion has length {:.4g}, not 1", length ),
+		    "give QX,QY,QZ,QW of length 1; 0,0,0,1 turns nothing" );
+	}
+	return pose;
+}
+
+/// Options that ask for another kind of plan.
+void refuseOthers( const PlanOptions& options )
+{
+	const std::pair<const char*, bool> others[] = { { "--goal", !options.goal.empty() },
+	    { "--goal-pose", !options.goal_poses.empty() }, { "--planner", !options.planner.empty() },
+	    { "--optimize", options.optimize > 0 }, { "--clearance-goal", options.clearance_goal > 0 } };
+	for ( const auto& [name, given] : others )
+	{
+		if ( given )
+		{
+			wrong( name, "stands beside --line", "give one of them" );
+		}
+	}
+	if ( !options.out.empty() )
+	{
+		wrong( "--out", "stands beside --line, whose motion has no straight edges", "give --trajectory FILE" );
+	}
+	if ( !options.certificate.empty() || !options.view.empty() )
+	{
+		wrong( "--line", "writes a trajectory alone",
+		    "ask leeway audit --trajectory FILE for its certificate, leeway view --trajectory FILE for its page" );
+	}
+	requirePositive( "--line-tolerance", options.line.tolerance );
+	requirePositive( "--line-angle", options.line.angle );
+	if ( !( options.line.speed > 0 ) )
+	{
+		wrong( "--line-speed", "is no speed above 0", "give metres per second" );
+	}
+}
+
+/// Where the tip is in the base at the start state: the orientation of poses without one.
+lw_transform startPose( const io::Problem& problem, const lines::Task& task )
+{
+	std::vector<lw_transform> links( lw_robot_link_count( problem.robot.get() ) );
+	const std::vector<double> full = fullState( problem, io::startState( problem ) );
+	require( lw_robot_fk( problem.robot.get(), full.data(), links.data() ), "kinematics of the start state" );
+	const auto world = [&]( const io::Frame& frame )
+	{ return frame.link == LW_INVALID_INDEX ? frame.pose : lw_transform_multiply( &links[frame.link], &frame.pose ); };
+	const lw_transform base = world( task.base ), tip = world( task.tip ), back = lw_transform_inverse( &base );
+	return lw_transform_multiply( &back, &tip );
+}
+
+lines::Waypoint waypointOf( const std::string& option, const std::string& text, const lw_transform& before )
+{
+	const std::size_t via = text.find( " via " );
+	const std::vector<double> numbers = numbersOf( option, text.substr( 0, via ), 3, 7 );
+	lines::Waypoint waypoint = { numbers.size() == 7 ? poseOf( option, numbers ) : before };
+	std::copy_n( numbers.begin(), 3, waypoint.pose.t );
+	if ( via != std::string::npos )
+	{
+		const std::vector<double> place = numbersOf( option, text.substr( via + 5 ), 3, 3 );
+		waypoint.via = lw_vec3{ place[0], place[1], place[2] };
+	}
+	return waypoint;
+}
+
+lines::Task taskOf( const LineOptions& line, const io::Problem& problem )
+{
+	lines::Task task;
+	std::string link;
+	for ( const std::string& text : line.poses )
+	{
+		const std::string option = "--line " + text;
+		const std::size_t equals = text.rfind( '=' );
+		const std::string name = equals == std::string::npos ? std::string() : trimmed( text.substr( 0, equals ) );
+		if ( name.empty() || ( !link.empty() && name != link ) )
+		{
+			wrong( option, name.empty() ? "names no link" : "names another link than " + link,
+			    "write LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW, with one link for all" );
+		}
+		if ( link.empty() )
+		{
+			link = name;
+			task.tip = io::findFrame( problem, link, "command line", option );
+			const lw_transform tip = line.tip.empty() ? lw_transform_identity()
+			                                          : poseOf( "--line-tip", numbersOf( "--line-tip", line.tip, 3, 7 ) );
+			task.tip.pose = lw_transform_multiply( &task.tip.pose, &tip );
+			task.base = io::findFrame( problem, line.frame, "command line", "--line-frame" );
+		}
+		const lw_transform before = task.waypoints.empty() ? startPose( problem, task ) : task.waypoints.back().pose;
+		task.waypoints.push_back( waypointOf( option, text.substr( equals + 1 ), before ) );
+	}
+	if ( !line.free_axis.empty() )
+	{
+		const std::vector<double> axis = numbersOf( "--free-axis", line.free_axis, 3, 3 );
+		task.free_axis = lw_vec3{ axis[0], axis[1], axis[2] };
+	}
+	task.any_start = line.any_start;
+	task.tolerance = line.tolerance;
+	task.angle = line.angle;
+	task.speed = line.speed;
+	return task;
+}
+
+const char* nameOf( lines::Obstacle obstacle )
+{
+	static const char* const names[] = { "none", "unreachable", "joint limit", "singularity", "collision", "undecided" };
+	return names[static_cast<int>( obstacle )];
+}
+
+std::string reportOf( const lines::Result& line, double seconds )
+{
+	Json json = { { "solved", line.solved }, { "attempts", line.attempts }, { "seconds", seconds } };
+	if ( line.solved )
+	{
+		json["duration"] = line.parts.back().begin + line.parts.back().seconds;
+		json["position_error"] = line.position_error;
+		json["angle_error"] = line.angle_error;
+		json["cubics"] = line.segments.size();
+		json["parts"] = Json::array();
+		for ( const lines::Part& part : line.parts )
+		{
+			json["parts"].push_back( { { "begin", part.begin }, { "seconds", part.seconds }, { "cubics", part.count } } );
+		}
+		return jsonText( json );
+	}
+	const lines::Stop& stop = line.stop;
+	json["obstacle"] = { { "kind", nameOf( stop.obstacle ) }, { "part", stop.part }, { "fraction", stop.fraction },
+	    { "position", { stop.position.x, stop.position.y, stop.position.z } }, { "state", stop.q }, { "joint", stop.joint },
+	    { "pair", { stop.pair.first, stop.pair.second } } };
+	return jsonText( json );
+}
+
+} // namespace
+
+int runLine( const PlanOptions& options )
+{
+	refuseOthers( options );
+	Notices notices( options.common.verbose );
+	JointLimits limits;
+	if ( !options.joint_limits.empty() )
+	{
+		limits = readJointLimits( options.joint_limits );
+		readsFile( "--joint-limits", options.joint_limits );
+	}
+	OutputFile timed( "--trajectory", options.trajectory ), report( "--report", options.report );
+	Input input = loadInput( options.common, notices );
+	notices.add( "joint limits of the file", limits.notices );
+	input.max_d = options.common.min_d + planning_horizon;
+	const PlanEnds ends = readEnds( options, input );
+	const Workbench bench( input, ends.group, {}, notices );
+	const io::Problem& problem = bench.problem();
+	const std::vector<std::string> violations =
+	    options.line.any_start ? std::vector<std::string>()
+	                           : groupLimitViolations( problem, io::startState( problem ), limit_tolerance );
+	if ( !violations.empty() )
+	{
+		throw io::Error( ends.start.file, ends.start.element, violations.front(), "start within the limits" );
+	}
+	lines::Settings settings;
+	settings.edge.min_d = options.common.min_d;
+	settings.edge.flags = options.common.checkFlags();
+	settings.edge.slack = options.edge.slack;
+	settings.limits = motionLimits( problem, input.robot, limits );
+	settings.seed = options.seed;
+	settings.attempts = options.line.attempts;
+	const lines::Task task = taskOf( options.line, problem );
+	const double begin = now();
+	const lines::Result line = lines::planLines( input.robot, problem, task, settings );
+	std::vector<OutputFile*> files;
+	if ( !options.report.empty() )
+	{
+		report.text = reportOf( line, now() - begin );
+		files.push_back( &report );
+	}
+	std::string text = lines::describe( problem, line );
+	bool good = line.solved;
+	if ( line.solved )
+	{
+		TrajectorySettings as_driven;
+		as_driven.edge = settings.edge;
+		as_driven.limits = limits;
+		const TrajectoryAudit proof = auditTrajectory( problem, input.robot, "the line", line.segments, as_driven );
+		text += motions::describe( proof );
+		good = proof.valid();
+	}
+	if ( good )
+	{
+		timed.text = robotTrajectory( endsOf( problem, line.segments ) );
+		files.push_back( &timed );
+	}
+	commitTogether( files );
+	good && !options.trajectory.empty() ? printOut( text ) : tell( "{}", text );
+	return good ? exit_yes : exit_no;
+}
+
+} // namespace leeway::cli

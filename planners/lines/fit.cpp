@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A cubic whose ends are on the reference and go along it leaves it by the fourth power of its length: few are needed, and each is proved.
+#include "lines/fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace leeway::lines
+{
+namespace
+{
+
+constexpr double longest_jump = 0.2; // radians or metres: of a joint, from where its speed would take it
+constexpr std::uint32_t least_step = most_places / 1024, contact_step = most_places / 64;
+
+double parameter( std::uint32_t place )
+{
+	return static_cast<double>( place ) / most_places;
+}
+
+double fractionOf( std::uint32_t place )
+{
+	return fractionAt( parameter( place ) );
+}
+
+/// d fraction / du
+double flowOf( std::uint32_t place )
+{
+	const double u = parameter( place );
+	return 6 * u * ( 1 - u );
+}
+
+std::vector<double> toVector( const State& q )
+{
+	return { q.data(), q.data() + q.size() };
+}
+
+lw_vec3 positionOf( const lw_region_def& def, double fraction )
+{
+	const lw_transform at = lw_region_reference( &def, fraction );
+	return { at.t[0], at.t[1], at.t[2] };
+}
+
+} // namespace
+
+double fractionAt( double u )
+{
+	return u * u * ( 3 - 2 * u );
+}
+
+void fractionPoints( std::uint32_t from, std::uint32_t to, double out[4] )
+{
+	const double width = parameter( to - from );
+	out[0] = fractionOf( from );
+	out[1] = out[0] + flowOf( from ) * width / 3;
+	out[3] = fractionOf( to );
+	out[2] = out[3] - flowOf( to ) * width / 3;
+}
+
+Fit::Fit( Follower& follower, const io::Problem& problem, const Settings& settings, lw_query* query )
+    : m_follower( follower ), m_problem( problem ), m_settings( settings ), m_query( query ),
+      m_rest( follower.variables(), 0.0 )
+{
+	for ( std::uint32_t i = 0; i < follower.variables(); ++i )
+	{
+		m_variables.push_back( i );
+	}
+}
+
+bool Fit::fail( const Leg& leg, Obstacle obstacle, double fraction, const State& q, std::size_t variable )
+{
+	m_stop = {};
+	m_stop.obstacle = obstacle;
+	m_stop.fraction = fraction;
+	m_stop.position = positionOf( leg.def, fraction );
+	m_stop.q = toVector( q );
+	m_stop.joint = variable < m_problem.variable_names.size() ? m_problem.variable_names[variable] : std::string();
+	return false;
+}
+
+bool Fit::isFree( const Leg& leg, double fraction, const State& q )
+{
+	bool free = false;
+	lw_state_reason reason;
+	require( lw_checker_is_free(
+	             m_problem.checker.get(), m_query, q.data(), m_settings.edge.flags, m_settings.edge.min_d, &free, &reason ),
+	    "clearance of a state on the line" );
+	++m_states;
+	if ( !free )
+	{
+		fail( leg, reason.verdict == LW_VERDICT_BLOCKED ? Obstacle::COLLISION : Obstacle::UNDECIDED, fraction, q, SIZE_MAX );
+		m_stop.self = reason.self;
+		m_stop.pair = reason.self ? motions::nameSelf( m_problem.checker.get(), reason.pair )
+		                          : motions::nameEnvironment( m_problem.checker.get(), reason.pair );
+	}
+	return free;
+}
+
+/// From the last state to a place, over others in between if joints move fast.
+bool Fit::step( const Leg& leg, const Wish& wish, std::uint32_t to )
+{
+	while ( m_knots.back().place < to )
+	{
+		const Knot& last = m_knots.back();
+		std::uint32_t next = to;
+		for ( ;; )
+		{
+			const double from = fractionOf( last.place ), fraction = fractionOf( next ), way = fraction - from;
+			const State rate = m_follower.rate( leg.def, from, last.q, m_follower.drift( last.q, wish ) );
+			const Follower::Blame fastest = m_follower.blame();
+			const State there = ( last.q + way * rate ).cwiseMax( m_follower.lower() ).cwiseMin( m_follower.upper() );
+			State q = there;
+			const bool on_it = m_follower.correct( leg.def, fraction, q );
+			if ( on_it && ( q - there ).cwiseAbs().maxCoeff() < longest_jump )
+			{
+				const bool free = isFree( leg, fraction, q );
+				if ( free )
+				{
+					m_knots.push_back( { next, q, {} } );
+					break;
+				}
+				if ( next - last.place <= contact_step )
+				{
+					return false;
+				}
+				next = last.place + ( next - last.place ) / 2; // where does it begin?
+				continue;
+			}
+			if ( next - last.place <= least_step )
+			{
+				const Follower::Blame blame = on_it ? fastest : m_follower.blame();
+				return fail( leg, blame.obstacle, from, last.q, blame.variable );
+			}
+			next = last.place + ( next - last.place ) / 2;
+		}
+	}
+	return true;
+}
+
+/// Speeds at all states: the differences of their neighbours, and the needs of the reference.
+void Fit::takeRates( const Leg& leg )
+{
+	for ( std::size_t i = 0; i < m_knots.size(); ++i )
+	{
+		Knot& knot = m_knots[i];
+		const Knot &before = m_knots[i > 0 ? i - 1 : 0], &after = m_knots[std::min( i + 1, m_knots.size() - 1 )];
+		const double way = fractionOf( after.place ) - fractionOf( before.place ), fraction = fractionOf( knot.place );
+		const State hint = ( after.q - before.q ) / way;
+		knot.rate = flowOf( knot.place ) * m_follower.rate( leg.def, fraction, knot.q, hint );
+	}
+}
+
+bool Fit::follow( const Leg& leg, const Wish& wish, const State& q )
+{
+	m_knots.assign( 1, { 0, q, {} } );
+	for ( std::uint32_t place = leg.first_step; place <= most_places; place += leg.first_step )
+	{
+		if ( !step( leg, wish, place ) )
+		{
+			return false;
+		}
+	}
+	takeRates( leg );
+	return true;
+}
+
+bool Fit::isNear( const Leg& leg, Piece& piece )
+{
+	const auto count = static_cast<std::uint32_t>( m_variables.size() );
+	const std::uint32_t one = 0;
+	double fractions[4];
+	fractionPoints( piece.from, piece.to, fractions );
+	const lw_timed_piece moves = { parameter( piece.from ), parameter( piece.to ), 3, piece.points.data() };
+	const lw_timed_piece goes = { moves.start, moves.end, 3, fractions };
+	lw_track track = {}, timing = {};
+	track.variables = m_variables.data();
+	track.variable_count = count;
+	track.pieces = &moves;
+	track.piece_count = 1;
+	timing.variables = &one;
+	timing.variable_count = 1;
+	timing.pieces = &goes;
+	timing.piece_count = 1;
+	const lw_clock clock = { &track, 1, m_rest.data() };
+	lw_region_result r;
+	require( lw_region_timed( leg.region.get(), &clock, &timing, moves.start, moves.end, &r ), "deviation from a line" );
+	m_windows += r.windows;
+	for ( int i = 0; i < 3; ++i )
+	{
+		piece.position_error = std::max( { piece.position_error, r.upper[i], -r.lower[i] } );
+	}
+	piece.angle_error = r.upper[leg.def.tilt < INFINITY ? LW_REGION_TILT : LW_REGION_ANGLE];
+	return r.verdict == LW_VERDICT_FREE;
+}
+
+bool Fit::isClear( const Leg& leg, const Piece& piece )
+{
+	lw_edge_result r;
+	require( lw_checker_curve( m_problem.checker.get(), m_query, piece.points.data(), 3, &m_settings.edge, &r ),
+	    "clearance along a line" );
+	m_states += r.queries;
+	if ( r.verdict == LW_VERDICT_FREE )
+	{
+		return true;
+	}
+	const double t = r.t, u = parameter( piece.from ) + t * parameter( piece.to - piece.from );
+	const std::size_t count = m_variables.size();
+	State q( static_cast<Eigen::Index>( count ) );
+	for ( std::size_t i = 0; i < count; ++i )
+	{
+		const double* p = piece.points.data() + i;
+		q[static_cast<Eigen::Index>( i )] = ( 1 - t ) * ( 1 - t ) * ( ( 1 - t ) * p[0] + 3 * t * p[count] ) +
+		                                    t * t * ( 3 * ( 1 - t ) * p[2 * count] + t * p[3 * count] );
+	}
+	fail( leg, r.verdict == LW_VERDICT_BLOCKED ? Obstacle::COLLISION : Obstacle::UNDECIDED, fractionAt( u ), q, SIZE_MAX );
+	m_stop.self = r.self;
+	m_stop.pair = r.self ? motions::nameSelf( m_problem.checker.get(), r.pair )
+	                     : motions::nameEnvironment( m_problem.checker.get(), r.pair );
+	return false;
+}
+
+/// The cubic between two states, or two of its halves, from the left.
+bool Fit::prove( const Leg& leg, const Knot& a, const Knot& b, std::vector<Piece>& out )
+{
+	const double width = parameter( b.place - a.place );
+	const State inner[2] = { a.q + width / 3 * a.rate, b.q - width / 3 * b.rate };
+	Piece piece;
+	piece.from = a.place;
+	piece.to = b.place;
+	for ( const State* p : { &a.q, &inner[0], &inner[1], &b.q } )
+	{
+		piece.points.insert( piece.points.end(), p->data(), p->data() + p->size() );
+	}
+	Eigen::Index beyond = -1;
+	for ( Eigen::Index i = 0; i < a.q.size(); ++i )
+	{
+		const bool out_of_limits = std::min( inner[0][i], inner[1][i] ) < m_follower.lower()[i] ||
+		                           std::max( inner[0][i], inner[1][i] ) > m_follower.upper()[i];
+		beyond = out_of_limits ? i : beyond;
+	}
+	if ( beyond < 0 && isNear( leg, piece ) )
+	{
+		out.push_back( piece );
+		return isClear( leg, piece );
+	}
+	const double fraction = fractionOf( a.place );
+	if ( b.place - a.place < 2 )
+	{
+		return fail( leg, beyond < 0 ? Obstacle::UNDECIDED : Obstacle::JOINT_LIMIT, fraction, a.q,
+		    beyond < 0 ? SIZE_MAX : static_cast<std::size_t>( beyond ) );
+	}
+	Knot middle;
+	middle.place = a.place + ( b.place - a.place ) / 2;
+	middle.q = 0.125 * ( a.q + b.q ) + 0.375 * ( inner[0] + inner[1] );
+	middle.q = middle.q.cwiseMax( m_follower.lower() ).cwiseMin( m_follower.upper() );
+	const double at = fractionOf( middle.place ), flow = flowOf( middle.place );
+	const State hint = 0.75 / width * ( b.q - a.q + inner[1] - inner[0] ) / flow;
+	if ( !m_follower.correct( leg.def, at, middle.q ) )
+	{
+		const Follower::Blame blame = m_follower.blame();
+		return fail( leg, blame.obstacle, fraction, a.q, blame.variable );
+	}
+	middle.rate = flow * m_follower.rate( leg.def, at, middle.q, hint );
+	return prove( leg, a, middle, out ) && prove( leg, middle, b, out );
+}
+
+bool Fit::run( const Leg& leg, const Wish& wish, State& q, std::vector<Piece>& out )
+{
+	if ( !follow( leg, wish, q ) )
+	{
+		return false;
+	}
+	const std::vector<Knot> knots = m_knots;
+	for ( std::size_t i = 1; i < knots.size(); ++i )
+	{
+		if ( !prove( leg, knots[i - 1], knots[i], out ) )
+		{
+			return false;
+		}
+	}
+	q = knots.back().q;
+	return true;
+}
+
+} // namespace leeway::lines

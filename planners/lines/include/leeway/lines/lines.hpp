@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Cartesian motions: a frame of the robot follows lines and arcs, by cubics of the joints whose deviation is proved for all times.
+//
+//     leeway::lines::Task task;
+//     task.tip = { hand, tool };                   // the frame that moves
+//     task.waypoints = { { above }, { at_part } }; // straight from the start to the first pose, then to the second
+//     const leeway::lines::Result line = leeway::lines::planLines( robot, problem, task, settings );
+//
+// Inverse kinematics goes along the reference from a start state; cubics between its states are on the reference, and go along it, at both
+// ends. They are halved until the core proves that they stay within the tolerance, and keep clearances (leeway/constraint.h, lw_checker_curve()).
+// A robot with more joints than the task needs tries other states on the way, and other starts if it may.
+#pragma once
+
+#include "leeway/constraint.h"
+#include "leeway/motions/timed.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace leeway::lines
+{
+
+/// Where the frame goes next: straight, or along the arc of a circle through `via`.
+struct Waypoint
+{
+	lw_transform pose;
+	std::optional<lw_vec3> via = std::nullopt;
+};
+
+struct Task
+{
+	io::Frame tip;                   ///< the frame that moves, on a link
+	io::Frame base;                  ///< of the poses; it may move itself, such as another hand
+	std::vector<Waypoint> waypoints; ///< in order; the robot rests at each
+	/// The first waypoint is the start, and any state there will do. Else the motion starts at `start`, with the pose that it has there.
+	bool any_start = false;
+	std::vector<double> start; ///< group state; empty: io::startState()
+	/// The tip may turn about this axis of its own; none: its orientation turns at uniform speed about one axis between waypoints.
+	std::optional<lw_vec3> free_axis = std::nullopt;
+	double tolerance = 1e-4; ///< metres, > 0: of each coordinate of the tip
+	double angle = 0.0017;   ///< radians, > 0: of the orientation, or of the tilt of the free axis
+	double speed = HUGE_VAL; ///< metres per second, > 0: of the tip along its way
+};
+
+struct Settings
+{
+	lw_edge_def edge = lw_edge_def_default(); ///< min_d, flags, slack
+	motions::MotionLimits limits;             ///< motions::motionLimits()
+	std::uint64_t seed = 1;                   ///< equal seeds give equal answers
+	std::size_t attempts = 100;               ///< ways to follow the reference, at most
+};
+
+enum class Obstacle
+{
+	NONE,
+	UNREACHABLE, ///< no state has the pose
+	JOINT_LIMIT, ///< the joint has come to its limit
+	SINGULARITY, ///< the joints would have to move too fast
+	COLLISION,   ///< the clearance of the pair is not above min_d
+	UNDECIDED,   ///< the clearance of the pair is in the band above min_d, or an error is at its tolerance
+};
+
+/// Where an attempt ended.
+struct Stop
+{
+	Obstacle obstacle = Obstacle::NONE;
+	std::size_t part = 0;  ///< of the way, from 0: it leads to this waypoint, or to the next one with any_start
+	double fraction = 0;   ///< of that part's way, 0 to 1
+	lw_vec3 position{};    ///< of the reference there, in the base
+	std::vector<double> q; ///< group state; empty if UNREACHABLE
+	std::string joint;     ///< JOINT_LIMIT, SINGULARITY: that moves most
+	bool self = false;     ///< `pair` is two links
+	motions::Named pair;   ///< COLLISION, UNDECIDED
+};
+
+/// One part of a solved way.
+struct Part
+{
+	lw_region_def region;
+	double begin = 0, seconds = 0;
+	std::size_t first = 0, count = 0; ///< of Result::segments
+};
+
+struct Result
+{
+	bool solved = false;
+	std::vector<motions::Segment> segments; ///< cubics, timed within the limits, at rest at each waypoint
+	std::vector<Part> parts;
+	double position_error = 0, angle_error = 0; ///< proved for all times: metres, of each coordinate; radians
+	Stop stop;                                  ///< of the attempt that came farthest, if not solved
+	std::size_t attempts = 0;
+	std::uint64_t windows = 0; ///< of the proofs of deviation
+	std::uint64_t states = 0;  ///< of the proofs of clearances
+};
+
+/// Plans the way. Not solved: no attempt is a proof that there is none.
+/// @param robot the model that `problem` was built from
+/// @throws io::Error (a waypoint or arc that is none, a tip that the group does not move, a floating joint, a tolerance of 0), CoreError
+/// Cost: some milliseconds an attempt of seven joints, most of it for clearances.
+Result planLines( const io::RobotModel& robot, const io::Problem& problem, const Task& task, const Settings& settings );
+
+/// The state of the fraction over the time of a part: s = 3 u^2 - 2 u^3, with u = 0 to 1 over its seconds.
+double fractionAt( double u );
+
+/// Lines for people: the proved errors, or the place where the way ends, with its reason.
+std::string describe( const io::Problem& problem, const Result& result );
+
+} // namespace leeway::lines

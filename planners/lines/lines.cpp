@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The whole way: parts, attempts with other starts and other postures in between, and times.
+#include "leeway/lines/lines.hpp"
+
+#include "ik/random.hpp"
+#include "lines/fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace leeway::lines
+{
+namespace
+{
+
+constexpr double first_length = 0.12, first_turn = 0.4; // metres and radians between the first states of a part
+constexpr std::uint32_t least_first_states = 4;
+constexpr double far_limits = 100;   // radians or metres: postures are drawn about the start instead
+constexpr double same_start = 0.02;  // two starts that differ by less in every joint are one
+constexpr int most_draws = 60;       // of starts that have the pose
+constexpr double peak_of_mean = 1.5; // speed of the fraction in its middle
+constexpr double no_way = 1e-9;      // metres and radians
+
+double length( const lw_vec3& v )
+{
+	return std::sqrt( v.x * v.x + v.y * v.y + v.z * v.z );
+}
+
+[[noreturn]] void wrong( const std::string& element, const std::string& problem, const std::string& remedy )
+{
+	throw io::Error( "line", element, problem, remedy );
+}
+
+lw_region_def defOf( const Task& task )
+{
+	lw_region_def def = lw_region_def_default();
+	def.base_link = task.base.link;
+	def.base_from_a = task.base.pose;
+	def.link = task.tip.link;
+	def.link_from_b = task.tip.pose;
+	for ( int i = 0; i < 3; ++i )
+	{
+		def.lower[i] = -task.tolerance;
+		def.upper[i] = task.tolerance;
+	}
+	( task.free_axis ? def.tilt : def.angle ) = task.angle;
+	def.axis = task.free_axis.value_or( lw_vec3{ 0, 0, 1 } );
+	return def;
+}
+
+void check( const Task& task, std::size_t variables )
+{
+	if ( !( task.tolerance > 0 && task.tolerance < HUGE_VAL ) || !( task.angle > 0 ) || !( task.speed > 0 ) )
+	{
+		wrong( "tolerance", "is no number above 0, or the speed is none", "give tolerances and a speed above 0" );
+	}
+	if ( task.free_axis && !( length( *task.free_axis ) > 0 && std::isfinite( length( *task.free_axis ) ) ) )
+	{
+		wrong( "free axis", "has no length", "give a direction such as 0,0,1" );
+	}
+	if ( !task.start.empty() && task.start.size() != variables )
+	{
+		wrong( "start", "has another number of values than the group has variables", "give a state of the group" );
+	}
+	if ( task.waypoints.size() < ( task.any_start ? 2u : 1u ) )
+	{
+		wrong( "waypoints", "are too few", "give one, and two if the first is the start" );
+	}
+}
+
+class Planning
+{
+public:
+	Planning( const io::RobotModel& robot, const io::Problem& problem, const Task& task, const Settings& settings )
+	    : m_problem( problem ), m_task( task ), m_settings( settings ), m_follower( robot, problem, task ),
+	      m_query( makeQuery( problem.checker.get() ) ), m_fit( m_follower, problem, settings, m_query.get() ),
+	      m_random( settings.seed )
+	{
+		const std::vector<double> start = task.start.empty() ? io::startState( problem ) : task.start;
+		m_start = Eigen::Map<const State>( start.data(), static_cast<Eigen::Index>( start.size() ) );
+		makeLegs();
+	}
+
+	Result run()
+	{
+		const std::size_t needs = m_task.free_axis ? 5 : 6;
+		const bool one_way = !m_task.any_start && m_follower.variables() <= needs;
+		while ( !m_result.solved && m_result.attempts < ( one_way ? 1 : m_settings.attempts ) && attempt() )
+		{
+		}
+		m_result.windows = m_fit.windows();
+		m_result.states = m_fit.states();
+		return m_result;
+	}
+
+private:
+	void makeLegs()
+	{
+		const std::vector<Waypoint>& waypoints = m_task.waypoints;
+		lw_transform from = m_task.any_start ? waypoints.front().pose : m_follower.pose( m_start );
+		for ( std::size_t i = m_task.any_start ? 1 : 0; i < waypoints.size(); ++i )
+		{
+			Leg leg;
+			leg.def = defOf( m_task );
+			const Waypoint& to = waypoints[i];
+			const std::string name = "waypoint " + std::to_string( i + 1 );
+			const lw_status status =
+			    to.via ? lw_region_arc( &leg.def, &from, *to.via, &to.pose ) : lw_region_line( &leg.def, &from, &to.pose );
+			if ( status != LW_OK )
+			{
+				to.via ? wrong( name, "no circle leads there through the given place",
+				             "give three places that are not on one line" )
+				       : wrong( name, "is no finite pose", "give finite numbers and a rotation" );
+			}
+			const lw_vec3 arm = { leg.def.start.t[0] - leg.def.center.x, leg.def.start.t[1] - leg.def.center.y,
+			    leg.def.start.t[2] - leg.def.center.z };
+			leg.length = length( leg.def.shift ) + length( leg.def.arc ) * ( to.via ? length( arm ) : 0 );
+			const double turn = length( leg.def.turn );
+			from = to.pose;
+			if ( leg.length < no_way && turn < no_way )
+			{
+				continue;
+			}
+			std::uint32_t states = least_first_states;
+			while ( states < most_places / 8 && ( leg.length > first_length * states || turn > first_turn * states ) )
+			{
+				states *= 2;
+			}
+			leg.first_step = most_places / states;
+			lw_diag diag = {};
+			lw_region* region = nullptr;
+			require( lw_region_create( m_problem.checker.get(), &leg.def, nullptr, &diag, &region ), diag );
+			leg.region.reset( region );
+			m_legs.push_back( std::move( leg ) );
+			m_numbers.push_back( i - ( m_task.any_start ? 1 : 0 ) );
+		}
+		if ( m_legs.empty() )
+		{
+			wrong( "waypoints", "the frame is there already", "give another pose" );
+		}
+	}
+
+	double drawn( Eigen::Index i )
+	{
+		const double lower = m_follower.lower()[i], upper = m_follower.upper()[i];
+		return upper - lower < far_limits ? m_random.between( lower, upper )
+		                                  : std::clamp( m_start[i] + m_random.between( -M_PI, M_PI ), lower, upper );
+	}
+
+	State drawn()
+	{
+		State q( m_start.size() );
+		for ( Eigen::Index i = 0; i < q.size(); ++i )
+		{
+			q[i] = drawn( i );
+		}
+		return q;
+	}
+
+	/// A start that no attempt had. @return false: none was found
+	bool findStart( State& q )
+	{
+		for ( int draw = 0; draw < most_draws; ++draw )
+		{
+			q = m_starts.empty() && draw == 0 ? m_start : drawn();
+			if ( !m_follower.correct( m_legs.front().def, 0, q ) )
+			{
+				continue;
+			}
+			m_reached = true;
+			const bool known = std::any_of( m_starts.begin(), m_starts.end(),
+			    [&]( const State& other ) { return ( other - q ).cwiseAbs().maxCoeff() < same_start; } );
+			if ( !known )
+			{
+				m_starts.push_back( q );
+				return true;
+			}
+		}
+		return false;
+	}
+
+	/// @return false: no other attempt is of use
+	bool attempt()
+	{
+		State q = m_start;
+		if ( m_task.any_start && !findStart( q ) )
+		{
+			if ( !m_reached )
+			{
+				m_result.stop.obstacle = Obstacle::UNREACHABLE;
+				const double* t = m_legs.front().def.start.t;
+				m_result.stop.position = { t[0], t[1], t[2] };
+			}
+			return false;
+		}
+		Wish wish;
+		wish.posture = q;
+		if ( m_result.attempts > 0 && m_follower.variables() > ( m_task.free_axis ? 5u : 6u ) )
+		{
+			wish.posture = drawn();
+			wish.strength = m_random.between( 0, 4 );
+		}
+		++m_result.attempts;
+		std::vector<std::vector<Piece>> pieces( m_legs.size() );
+		std::size_t leg = 0;
+		bool good = m_fit.isFree( m_legs.front(), 0, q );
+		const bool hopeless = !good && !m_task.any_start;
+		while ( good && leg < m_legs.size() )
+		{
+			good = m_fit.run( m_legs[leg], wish, q, pieces[leg] );
+			leg += good ? 1 : 0;
+		}
+		if ( good )
+		{
+			m_result.solved = true;
+			m_result.stop = {};
+			time( pieces );
+			return true;
+		}
+		Stop stop = m_fit.stop();
+		stop.part = m_numbers[leg];
+		const Stop& best = m_result.stop;
+		if ( best.obstacle == Obstacle::NONE ||
+		     stop.part + stop.fraction > static_cast<double>( best.part ) + best.fraction )
+		{
+			m_result.stop = stop;
+		}
+		return !hopeless;
+	}
+
+	/// Nanoseconds for a leg: a whole number for each place.
+	std::int64_t nanoseconds( const Leg& leg, const std::vector<Piece>& pieces ) const
+	{
+		const std::size_t count = m_follower.variables();
+		double seconds = peak_of_mean * leg.length / m_task.speed;
+		for ( const Piece& piece : pieces )
+		{
+			const double width = static_cast<double>( piece.to - piece.from ) / most_places;
+			for ( std::size_t v = 0; v < count; ++v )
+			{
+				const double* p = piece.points.data() + v;
+				for ( std::size_t k = 0; k < 3; ++k )
+				{
+					const double speed = 3 * std::fabs( p[( k + 1 ) * count] - p[k * count] ) / width;
+					seconds = std::max( seconds, speed / m_settings.limits.velocity[v] );
+				}
+				for ( std::size_t k = 0; k < 2; ++k )
+				{
+					const double change =
+					    6 * std::fabs( p[( k + 2 ) * count] - 2 * p[( k + 1 ) * count] + p[k * count] ) / ( width * width );
+					seconds = std::max( seconds, std::sqrt( change / m_settings.limits.acceleration[v] ) );
+				}
+			}
+		}
+		return ( static_cast<std::int64_t>( std::ceil( seconds * ( 1 + 1e-7 ) * 1e9 / most_places ) ) + 1 ) * most_places;
+	}
+
+	void time( const std::vector<std::vector<Piece>>& pieces )
+	{
+		std::int64_t begin = 0;
+		for ( std::size_t i = 0; i < m_legs.size(); ++i )
+		{
+			const std::int64_t all = nanoseconds( m_legs[i], pieces[i] );
+			Part part;
+			part.region = m_legs[i].def;
+			part.begin = 1e-9 * static_cast<double>( begin );
+			part.seconds = 1e-9 * static_cast<double>( all );
+			part.first = m_result.segments.size();
+			part.count = pieces[i].size();
+			for ( const Piece& piece : pieces[i] )
+			{
+				motions::Segment segment;
+				segment.begin = 1e-9 * static_cast<double>( begin + all / most_places * piece.from );
+				segment.seconds = 1e-9 * static_cast<double>( all / most_places * ( piece.to - piece.from ) );
+				segment.degree = 3;
+				segment.points = piece.points;
+				m_result.segments.push_back( segment );
+				m_result.position_error = std::max( m_result.position_error, piece.position_error );
+				m_result.angle_error = std::max( m_result.angle_error, piece.angle_error );
+			}
+			m_result.parts.push_back( part );
+			begin += all;
+		}
+	}
+
+	const io::Problem& m_problem;
+	const Task& m_task;
+	const Settings& m_settings;
+	Follower m_follower;
+	const Query m_query;
+	Fit m_fit;
+	ik::Random m_random;
+	State m_start;
+	std::vector<Leg> m_legs;
+	std::vector<std::size_t> m_numbers; ///< of each leg: the part of the way
+	std::vector<State> m_starts;
+	bool m_reached = false;
+	Result m_result;
+};
+
+} // namespace
+
+Result planLines( const io::RobotModel& robot, const io::Problem& problem, const Task& task, const Settings& settings )
+{
+	check( task, problem.variables.size() );
+	return Planning( robot, problem, task, settings ).run();
+}
+
+} // namespace leeway::lines

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway plan --line: trajectories on lines, the places where they end, and options that cannot be meant.
+#include "cli_fixture.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+namespace
+{
+
+class CliLine : public Cli
+{
+protected:
+	/// From shoulder -1, elbow 1 the planar arm's tool goes along lines, free to turn in its plane.
+	Outcome line(
+	    const std::vector<std::string>& poses, std::vector<std::string> more = {}, const char* scene = "scene.yaml" ) const
+	{
+		std::vector<std::string> arguments = { "--group", "arm", "--start", "shoulder=-1,elbow=1", "--free-axis", "0,0,1" };
+		for ( const std::string& pose : poses )
+		{
+			arguments.insert( arguments.end(), { "--line", pose } );
+		}
+		arguments.insert( arguments.end(), more.begin(), more.end() );
+		return runModel( "plan", arguments, scene );
+	}
+};
+
+} // namespace
+
+TEST_F( CliLine, ATrajectoryOnALineIsRefusedByItsAudit )
+{
+	const Outcome plan = line(
+	    { "tool=0.6,0,0", "tool=0.5,0.2,0 via 0.6,0.1,0" }, { "--trajectory", "line.json", "--report", "report.json" } );
+	ASSERT_EQ( plan.status, 0 ) << plan.err;
+	EXPECT_TRUE( contains( plan.out, "2 part(s)" ) ) << plan.out;
+	EXPECT_TRUE( contains( plan.out, "proved at all times" ) ) << plan.out;
+	const Outcome audit = runModel( "audit", { "--trajectory", "line.json" } );
+	EXPECT_EQ( audit.status, 0 ) << audit.out << audit.err;
+	const auto file = nlohmann::json::parse( readFile( path( "line.json" ) ) );
+	const auto& points = file["joint_trajectory"]["points"];
+	bool moves = false;
+	for ( const auto& point : points )
+	{
+		EXPECT_FALSE( point.contains( "accelerations" ) ); // cubics
+		moves = moves || std::fabs( point["velocities"][0].get<double>() ) > 0.01;
+	}
+	EXPECT_TRUE( moves );
+	const auto q = points.back()["positions"].get<std::vector<double>>();
+	EXPECT_NEAR( 0.5, 0.4 * std::cos( q[0] ) + 0.4 * std::cos( q[0] + q[1] ), 1e-9 );
+	EXPECT_NEAR( 0.2, 0.4 * std::sin( q[0] ) + 0.4 * std::sin( q[0] + q[1] ), 1e-9 );
+	const auto report = nlohmann::json::parse( readFile( path( "report.json" ) ) );
+	EXPECT_TRUE( report["solved"].get<bool>() );
+	EXPECT_LE( report["position_error"].get<double>(), 1e-4 );
+}
+
+TEST_F( CliLine, WithoutAFileTheTrajectoryIsLost )
+{
+	const Outcome plan = line( { "tool=0.6,0,0" } );
+	ASSERT_EQ( plan.status, 0 ) << plan.err;
+	EXPECT_TRUE( nlohmann::json::parse( plan.out ).contains( "joint_trajectory" ) );
+	EXPECT_TRUE( contains( plan.err, "proved at all times" ) );
+}
+
+TEST_F( CliLine, ThePlaceOfACollisionIsNotNamed )
+{
+	const Outcome plan =
+	    line( { "tool=0.6,0.3,0" }, { "--trajectory", "line.json", "--report", "report.json" }, "blocked.yaml" );
+	EXPECT_EQ( plan.status, 1 );
+	EXPECT_TRUE( contains( plan.err, "come too near" ) ) << plan.err;
+	EXPECT_TRUE( contains( plan.err, "post" ) ) << plan.err;
+	EXPECT_TRUE( contains( plan.err, "shoulder=" ) ) << plan.err;
+	EXPECT_TRUE( readFile( path( "line.json" ) ).empty() );
+	const auto report = nlohmann::json::parse( readFile( path( "report.json" ) ) );
+	EXPECT_EQ( "collision", report["obstacle"]["kind"] );
+	EXPECT_GT( report["obstacle"]["fraction"].get<double>(), 0 );
+}
+
+TEST_F( CliLine, AnArmTooShortIsNotNamed )
+{
+	const Outcome plan = line( { "tool=0.2,-1.5,0" }, { "--trajectory", "line.json" } );
+	EXPECT_EQ( plan.status, 1 );
+	EXPECT_TRUE( contains( plan.err, "the end of the arm's reach" ) || contains( plan.err, "at its limit" ) ) << plan.err;
+}
+
+TEST_F( CliLine, OptionsThatCannotBeMeant )
+{
+	const struct
+	{
+		std::vector<std::string> poses, more;
+		const char* words;
+	} cases[] = {
+	    { { "0.6,0,0" }, {}, "names no link" },
+	    { { "tool=0.6,0" }, {}, "has 2 numbers; give 3 or 7" },
+	    { { "tool=0.6,0,x" }, {}, "'x' is not a finite number" },
+	    { { "tool=0.6,0,0,0,0,0,0" }, {}, "the quaternion has length 0, not 1" },
+	    { { "tool=0.6,0,0", "finger=0.6,0.1,0" }, {}, "names another link" },
+	    { { "nobody=0.6,0,0" }, {}, "nobody" },
+	    { { "tool=0.6,0,0 via 0.6,0" }, {}, "has 2 numbers; give 3" },
+	    { { "tool=0.6,0,0" }, { "--line-tolerance", "0" }, "--line-tolerance" },
+	    { { "tool=0.6,0,0" }, { "--line-angle", "-1" }, "--line-angle" },
+	    { { "tool=0.6,0,0" }, { "--line-speed", "0" }, "--line-speed" },
+	    { { "tool=0.6,0,0" }, { "--goal", "shoulder=1" }, "stands beside --line" },
+	    { { "tool=0.6,0,0" }, { "--out", "path.yaml" }, "give --trajectory FILE" },
+	    { { "tool=0.6,0,0" }, { "--line-tip", "1" }, "--line-tip" },
+	    { { "tool=0.6,0,0" }, { "--line-frame", "nowhere" }, "nowhere" },
+	    { { "base=0.6,0,0" }, {}, "does not move the frame" },
+	};
+	for ( const auto& wrong : cases )
+	{
+		const Outcome plan = line( wrong.poses, wrong.more );
+		EXPECT_EQ( plan.status, 2 ) << wrong.words;
+		EXPECT_TRUE( contains( plan.err, wrong.words ) ) << "lacks '" << wrong.words << "': " << plan.err;
+	}
+}

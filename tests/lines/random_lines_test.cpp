@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Random lines of 0.2 to 1 m between poses that a robot has. LEEWAY_LINE_ROBOT, _SRDF, _GROUP, _TIP and LEEWAY_LINES choose others and how many.
+// Those that are not found are tried again with twenty times the attempts, other seeds; the test prints the found share of the solvable ones.
+#include "leeway/lines/lines.hpp"
+#include "seeded_rng.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+
+using namespace leeway;
+
+namespace
+{
+
+std::string setting( const char* name, const std::string& otherwise )
+{
+	const char* text = std::getenv( name );
+	return text != nullptr ? text : otherwise;
+}
+
+lw_transform tipOf( const io::Problem& problem, const io::Frame& tip, const std::vector<double>& q )
+{
+	const std::vector<double> full = motions::fullState( problem, q );
+	std::vector<lw_transform> links( lw_robot_link_count( problem.robot.get() ) );
+	require( lw_robot_fk( problem.robot.get(), full.data(), links.data() ), "kinematics" );
+	return lw_transform_multiply( &links[tip.link], &tip.pose );
+}
+
+std::vector<double> randomState( SeededRng& rng, const io::Problem& problem )
+{
+	std::vector<double> q;
+	for ( const std::uint32_t v : problem.variables )
+	{
+		const lw_variable_info info = lw_robot_variable( problem.robot.get(), v );
+		q.push_back( rng.uniform( std::max( info.lower, -3.15 ), std::min( info.upper, 3.15 ) ) );
+	}
+	return q;
+}
+
+double median( std::vector<double> values, double share )
+{
+	std::sort( values.begin(), values.end() );
+	return values.empty() ? 0 : values[static_cast<std::size_t>( share * static_cast<double>( values.size() - 1 ) )];
+}
+
+} // namespace
+
+TEST( RandomLinesData, SolvableLinesAreMissed )
+{
+	const std::string panda = std::string( LEEWAY_DATA_DIR ) + "/mbm/panda/";
+	const std::string urdf = setting( "LEEWAY_LINE_ROBOT", panda + "panda.urdf" );
+	if ( !std::filesystem::exists( urdf ) )
+	{
+		GTEST_SKIP() << urdf;
+	}
+	io::LoadOptions load;
+	load.package_paths = { setting( "LEEWAY_LINE_PACKAGES", panda ) };
+	const std::string srdf =
+	    setting( "LEEWAY_LINE_SRDF", std::getenv( "LEEWAY_LINE_ROBOT" ) != nullptr ? "" : panda + "panda.srdf" );
+	const io::RobotModel robot = io::loadRobot( urdf, srdf, load );
+	io::ProblemOptions options;
+	options.group = setting( "LEEWAY_LINE_GROUP", std::getenv( "LEEWAY_LINE_ROBOT" ) != nullptr ? "" : "panda_arm" );
+	const io::Problem problem = io::buildProblem( robot, options );
+	lines::Task task;
+	task.tip = io::findFrame( problem, setting( "LEEWAY_LINE_TIP", "panda_hand" ), "test", "tip" );
+	task.any_start = true;
+	lines::Settings settings;
+	settings.edge.flags = srdf.empty() ? LW_CHECK_ENVIRONMENT : LW_CHECK_BOTH;
+	settings.limits.velocity.assign( problem.variables.size(), 1 );
+	settings.limits.acceleration.assign( problem.variables.size(), 2 );
+	SeededRng rng( 44 );
+	const int count = std::atoi( setting( "LEEWAY_LINES", "20" ).c_str() );
+	const Query query = makeQuery( problem.checker.get() );
+	std::vector<double> times, cubics, errors;
+	int solved = 0, later = 0, first = 0, asked = 0;
+	while ( asked < count )
+	{
+		// a line from a free state's pose in a random direction, with a turn of up to 0.5 rad
+		const std::vector<double> q = randomState( rng, problem );
+		bool free = false;
+		require( lw_checker_is_free( problem.checker.get(), query.get(), q.data(), settings.edge.flags, 0, &free, nullptr ),
+		    "free" );
+		if ( !free )
+		{
+			continue;
+		}
+		const lw_transform from = tipOf( problem, task.tip, q );
+		lw_vec3 d = { rng.normal(), rng.normal(), rng.normal() };
+		const double length = rng.uniform( 0.2, 1 ) / std::sqrt( d.x * d.x + d.y * d.y + d.z * d.z );
+		const double none[3] = { 0, 0, 0 },
+		             rpy[3] = { rng.uniform( -0.3, 0.3 ), rng.uniform( -0.3, 0.3 ), rng.uniform( -0.3, 0.3 ) };
+		lw_transform turn, to;
+		lw_transform_from_rpy( none, rpy, &turn );
+		to = lw_transform_multiply( &from, &turn );
+		to.t[0] = from.t[0] + length * d.x;
+		to.t[1] = from.t[1] + length * d.y;
+		to.t[2] = from.t[2] + length * d.z;
+		task.waypoints = { { from }, { to } };
+		++asked;
+		settings.seed = static_cast<std::uint64_t>( asked );
+		settings.attempts = 100;
+		const auto begin = std::chrono::steady_clock::now();
+		lines::Result r = lines::planLines( robot, problem, task, settings );
+		const double ms = std::chrono::duration<double, std::milli>( std::chrono::steady_clock::now() - begin ).count();
+		if ( r.solved )
+		{
+			times.push_back( ms );
+			cubics.push_back( static_cast<double>( r.segments.size() ) );
+			errors.push_back( 1e6 * r.position_error );
+			++solved;
+			first += r.attempts == 1;
+			EXPECT_LE( r.position_error, task.tolerance );
+			EXPECT_LE( r.angle_error, task.angle );
+			continue;
+		}
+		settings.attempts = 2000;
+		settings.seed += 1000;
+		later += lines::planLines( robot, problem, task, settings ).solved;
+	}
+	std::printf(
+	    "%s: %d lines: %d solved, %d at the first attempt; %d more with 20 times the attempts; ms median %.2f, 95 %% %.1f; "
+	    "cubics median %.0f, error median %.1f um\n",
+	    robot.name.c_str(), count, solved, first, later, median( times, 0.5 ), median( times, 0.95 ), median( cubics, 0.5 ),
+	    median( errors, 0.5 ) );
+	EXPECT_GE( solved, 9 * later );
+}
