@@ -31,6 +31,16 @@ def test_examples_draw_their_picture(script, tmp_path):
     assert pixels.shape[0] > 200 and pixels[..., :3].std() > 0.05 and "out.png" in printed
     if script.stem in ("04_pink", "05_mink"):
         limits_hold(printed)
+    if script.stem == "07_live":
+        person_is_safe(printed)
+
+
+def person_is_safe(printed):
+    """Without its guard the arm hits the hand; with it, it keeps 100 mm while it moves, waits while the hand comes nearer than that, and arrives."""
+    moving, always, desk = map(int, re.search(r"^guarded +person (-?\d+) mm while it moved, (-?\d+) mm at all times; desk (-?\d+) mm$", printed, re.MULTILINE).groups())
+    assert moving >= 100 > always > 0 and desk > 0
+    assert int(re.search(r"^unguarded person (-?\d+) mm", printed, re.MULTILINE)[1]) < 0
+    assert float(re.search(r"of which it stood ([\d.]+) s", printed)[1]) > 0.1
 
 
 def limits_hold(printed):
@@ -42,7 +52,7 @@ def limits_hold(printed):
 
 
 def test_examples_are_there():
-    assert [script.name[:2] for script in SCRIPTS] == ["01", "02", "03", "04", "05", "06"]
+    assert [script.name[:2] for script in SCRIPTS] == ["01", "02", "03", "04", "05", "06", "07"]
 
 
 def test_script_of_the_readme_runs(tmp_path):
