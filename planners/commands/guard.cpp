@@ -94,17 +94,31 @@ std::vector<PageInput> pagesOf(
 		const double end = i + 1 < result.sceneries.size() ? result.sceneries[i + 1].begin : result.cycles.back().time;
 		std::vector<std::vector<double>> states;
 		std::vector<std::string> labels;
+		std::vector<double> times;
+		std::vector<Curve> curves = {
+		    { "speed scale", "", {} }, { "proved for", "s", {} }, { "age of the sight", "ms", {} } };
 		auto cycle = result.cycles.begin();
 		for ( double time = scenery.begin; time <= end; time += step )
 		{
-			cycle = std::find_if( cycle, result.cycles.end() - 1, [&]( const replay::Cycle& c ) { return c.time >= time; } );
+			cycle = std::find_if(
+			    cycle, result.cycles.end() - 1, [&]( const replay::Cycle& c ) { return c.time >= time - 1e-9; } );
 			states.push_back( stateAt( segments, time ) );
+			times.push_back( time );
+			curves[0].values.push_back( cycle->scale );
+			curves[1].values.push_back( cycle->proved_until - cycle->time );
+			curves[2].values.push_back( 1e3 * cycle->age );
 			labels.push_back( fmt::format( "{:.2f} s: {}, proved until {:.2f} s, scale {:.2f}, {:.0f} us", time,
 			    lw_verdict_name( cycle->verdict ), cycle->proved_until, cycle->scale, cycle->microseconds ) );
 		}
 		const lw_check_flags flags = options.common.checkFlags();
-		PageInput page =
-		    pageOf( input, *scenery.problem, motionOfStates( *scenery.problem, states, labels, flags, options.log ), flags );
+		ViewMotion motion = motionOfStates( *scenery.problem, states, labels, flags, options.log );
+		motion.unit = StepUnit::seconds;
+		for ( std::size_t k = 0; k < times.size(); ++k )
+		{
+			motion.steps[k].at = times[k];
+		}
+		PageInput page = pageOf( input, *scenery.problem, motion, flags );
+		page.curves = std::move( curves );
 		page.min_d = options.common.min_d;
 		page.source = "leeway guard";
 		page.notes = notes;

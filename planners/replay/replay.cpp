@@ -224,9 +224,13 @@ private:
 		const auto begin = std::chrono::steady_clock::now();
 		try
 		{
-			m_result.late +=
-			    watched.apply( event, motions::stateAt( m_segments, std::max( event.seen, m_segments.front().begin ) ) ) ? 0
-			                                                                                                             : 1;
+			const bool taken =
+			    watched.apply( event, motions::stateAt( m_segments, std::max( event.seen, m_segments.front().begin ) ) );
+			m_result.late += taken ? 0 : 1;
+			if ( taken && event.kind == Event::Kind::frame )
+			{
+				m_result.frames.push_back( event.seen );
+			}
 		}
 		catch ( const io::Error& error )
 		{

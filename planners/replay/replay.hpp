@@ -63,6 +63,7 @@ struct Result
 	std::vector<std::string>
 	    rejected; ///< events that the world refused, and why: nothing is known until others have named their objects
 	std::vector<double> publish_microseconds; ///< with the change of the world
+	std::vector<double> frames;               ///< seconds: sights of the frames that the cloud took
 	std::optional<Alarm> alarm;
 	double least_scale = 1, least_scale_at = 0;
 	std::vector<Scenery> sceneries; ///< of all at most most_sceneries, spread over the time

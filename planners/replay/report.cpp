@@ -49,6 +49,28 @@ Json jsonOf( const Spread& spread )
 	return { { "median_us", spread.median }, { "p99_us", spread.most_of }, { "max_us", spread.largest } };
 }
 
+/// How often the cloud got a frame.
+struct FrameRate
+{
+	double per_second = std::numeric_limits<double>::quiet_NaN(); ///< NaN: there are not two frames
+	double longest = 0;                                           ///< seconds between two sights that follow each other
+};
+
+FrameRate rateOf( std::vector<double> frames )
+{
+	FrameRate rate;
+	std::sort( frames.begin(), frames.end() ); // those of several sensors come in any order
+	for ( std::size_t i = 1; i < frames.size(); ++i )
+	{
+		rate.longest = std::max( rate.longest, frames[i] - frames[i - 1] );
+	}
+	if ( frames.size() > 1 && frames.back() > frames.front() )
+	{
+		rate.per_second = static_cast<double>( frames.size() - 1 ) / ( frames.back() - frames.front() );
+	}
+	return rate;
+}
+
 std::size_t count( const Result& result, lw_verdict verdict )
 {
 	return static_cast<std::size_t>( std::count_if(
@@ -72,6 +94,9 @@ Json toJson( const Result& result, const Settings& settings )
 	json["publish"] = jsonOf( spreadOf( result.publish_microseconds ) );
 	json["events"] = result.events;
 	json["late"] = result.late;
+	const FrameRate rate = rateOf( result.frames );
+	json["frames"] = { { "taken", result.frames.size() }, { "per_second", jsonNumber( rate.per_second ) },
+	    { "longest_gap", rate.longest } };
 	json["rejected"] = result.rejected;
 	json["least_scale"] = result.least_scale;
 	json["least_scale_at"] = result.least_scale_at;
@@ -111,6 +136,14 @@ std::string describe( const Result& result )
 	    "answers     {:.0f} us median, {:.0f} us 99 %, {:.0f} us at most\n", answer.median, answer.most_of, answer.largest );
 	text += fmt::format( "events      {}, {} late; published in {:.0f} us median, {:.0f} us at most\n", result.events,
 	    result.late, publish.median, publish.largest );
+	if ( !result.frames.empty() )
+	{
+		const FrameRate rate = rateOf( result.frames );
+		text += fmt::format( "frames      {}", result.frames.size() );
+		text += std::isnan( rate.per_second ) ? "\n"
+		                                      : fmt::format( ", {:.1f} per second, at most {:.0f} ms between two\n",
+		                                            rate.per_second, 1e3 * rate.longest );
+	}
 	for ( const std::string& rejected : result.rejected )
 	{
 		text += fmt::format( "refused     {}\n", rejected );

@@ -300,6 +300,15 @@ PageContent pageContent( const PageInput& page )
 	{
 		content.json["more"].push_back( motionJson( page, one.motion, one.name ) );
 	}
+	for ( const Curve& curve : page.curves )
+	{
+		Json values = Json::array();
+		for ( const double value : curve.values )
+		{
+			values.push_back( jsonNumber( value ) );
+		}
+		content.json["curves"].push_back( { { "name", curve.name }, { "unit", curve.unit }, { "values", values } } );
+	}
 	if ( page.live )
 	{
 		addEngine( page, shapes, content );

@@ -20,6 +20,13 @@ struct NamedMotion
 	ViewMotion motion;
 };
 
+/// A number of each step of the motion, which the page draws below the clearances.
+struct Curve
+{
+	std::string name, unit;     ///< as the page names it; the unit may be empty
+	std::vector<double> values; ///< [steps], from 0 on; NaN: none
+};
+
 struct PageInput
 {
 	const io::RobotModel& robot;
@@ -37,7 +44,8 @@ struct PageInput
 	ProgressFunction progress = {};               ///< may be empty
 	/// Motions of the same group beside `motion`, to compare with; of the same unit.
 	std::vector<NamedMotion> more = {};
-	std::string chapter = {}; ///< of several worlds: the name of this one
+	std::vector<Curve> curves = {}; ///< of `motion`
+	std::string chapter = {};       ///< of several worlds: the name of this one
 };
 
 struct PageContent

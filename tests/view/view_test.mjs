@@ -234,6 +234,36 @@ const tests = {
 		});
 	},
 
+	async SpeedAndSightsOfAGuardedDriveFollowItsTime() {
+		write("drive.csv", "time,yaw,shoulder,elbow,wrist\n0,0.9,0.9,0.9,0\n1,0.5,0.9,0.9,0\n");
+		const people = (x) => `{"collision_objects": [{"id": "anna", "primitives": [{"type": "sphere", "dimensions": [0.1]}], "primitive_poses": [{"position": [${x}, 0.3, 0.3], "orientation": [0, 0, 0, 1]}]}]}`;
+		write("drive.jsonl", `{"t": 0}\n{"t": 0, "people": ${people(9)}}\n{"t": 0.3, "people": ${people(1)}}\n{"t": 0.7, "people": ${people(9)}}\n`);
+		leeway(["guard", ...DESK, "--trajectory", "drive.csv", "--replay", "drive.jsonl", "--profile", "drive_profile.csv", "--view", "drive.html"], [0, 1]);
+		const rows = table(read("drive_profile.csv"));
+		await withPage(file("drive.html"), {}, async (tab) => {
+			const at = await tab.value("leeway.steps.map((s) => s.at)");
+			const [scale, proved, age] = await tab.value("leeway.model.curves.map((c) => c.values)");
+			assert.ok(at.length > 20 && at[1] === 0.02, `${at.length} steps`);
+			at.forEach((time, i) => {
+				const row = rows.find((r) => Number(r.time) >= time - 1e-9);
+				assert.ok(Math.abs(scale[i] - Number(row.scale)) < 1e-9 && Math.abs(proved[i] - (Number(row.proved_until) - Number(row.time))) < 1e-6, `at ${time}`);
+			});
+			assert.ok(Math.min(...scale) < 0.9 && Math.max(...scale) === 1, "the robot slows down beside somebody, and only there");
+			assert.ok(age.at(-1) > age[0], "nobody looked again at the world");
+			assert.deepEqual(await tab.value(`[...document.querySelectorAll("#curves polyline")].map((p) => p.getAttribute("points").split(" ").length)`), [at.length, at.length, at.length]);
+			const names = await tab.value(`document.getElementById("curves").textContent`);
+			assert.match(names, /speed scale.*proved for.*age of the sight/s);
+			// the mark follows the time, and the state says what the guard answered
+			await tab.value("leeway.go(0.501)");
+			const places = await tab.value(`["chart", "curves"].map((id) => Number(document.querySelector("#" + id + " .now").getAttribute("x1")))`);
+			assert.equal(places[0], places[1]);
+			assert.match(await text(tab, "verdict-note"), /0\.50 s: .*proved until .* scale 0\./);
+		});
+		await withPage(turningPage(), {}, async (tab) => {
+			assert.ok(await tab.value(`document.getElementById("curves").hasAttribute("hidden")`), "a path has clearances alone");
+		});
+	},
+
 	async ArrowsShowTheNearPairsOfCheck() {
 		write("near.csv", "yaw,shoulder,elbow,wrist\n0.2,0.43,0.8,0.1\n");
 		const rows = table(leeway(["check", ...DESK, "--states", "near.csv", "--group", "arm", "--near", "0.2"]).stdout);

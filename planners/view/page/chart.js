@@ -3,9 +3,10 @@
 import { clearanceOf, place, stated } from "./text.js";
 import { nearestPart } from "./trace.js";
 
-const SVG = "http://www.w3.org/2000/svg", LEFT = 60, RIGHT = 8, TOP = 8, BOTTOM = 22;
+export const LEFT = 60, RIGHT = 8;
+const SVG = "http://www.w3.org/2000/svg", TOP = 8, BOTTOM = 22;
 
-function node(parent, tag, attributes, text = "") {
+export function node(parent, tag, attributes, text = "") {
 	const out = document.createElementNS(SVG, tag);
 	for (const [name, value] of Object.entries(attributes)) {
 		out.setAttribute(name, value);

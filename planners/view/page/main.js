@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page: state, motion, engine and their events.
 import { Chart } from "./chart.js";
+import { Curves } from "./curves.js";
 import { block, chapter, model as readModel } from "./data.js";
 import { Engine } from "./engine.js";
 import { between } from "./kinematics.js";
@@ -43,7 +44,8 @@ class Page {
 	}
 
 	/// @param step of the motion at which the state is, with its stored answer; null: none
-	update(step) {
+	/// @param label said of the state
+	update(step, label = step?.label ?? "") {
 		let answer = UNKNOWN, note = "";
 		if (this.engine !== null) {
 			answer = this.engine.measure(this.groupState(), this.model.what, this.model.min_d);
@@ -57,7 +59,7 @@ class Page {
 		this.answer = { ...kept, touching: step?.marked ?? answer.touching }; // a list of contacts marks one pair at a time
 		this.aside = aside;
 		this.stage.pose(this.q);
-		showAnswer(this.model, this.answer, [step?.label ?? note, describeApart(this.model, aside)].filter((t) => t !== "").join("; "));
+		showAnswer(this.model, this.answer, [label !== "" ? label : note, describeApart(this.model, aside)].filter((t) => t !== "").join("; "));
 		this.showPair();
 		this.showNear();
 	}
@@ -128,11 +130,12 @@ class Page {
 			const next = Math.max(1, this.steps.findIndex((step) => step.at > at)), a = this.steps[next - 1], b = this.steps[next];
 			this.at = at;
 			this.q = this.full(between(this.model, a.q, b.q, (at - a.at) / (b.at - a.at || 1)));
-			this.update(null);
+			this.update(null, this.steps[nearest].label);
 		}
 		$("time").value = this.at;
 		$("time-text").textContent = place(this.at, this.model.motion.unit);
 		this.chart?.mark(this.at);
+		this.curves?.mark(this.at);
 		this.joints?.forEach((show, i) => show?.(this.q[i]));
 	}
 
@@ -175,6 +178,7 @@ class Page {
 		$("play").addEventListener("click", () => this.play());
 		$("least").addEventListener("click", () => this.go(this.steps[this.model.motion.least].at));
 		this.chart = new Chart($("chart"), this.model, (at) => this.go(at));
+		this.curves = new Curves($("curves"), this.model, this.chart);
 		this.makeChoice();
 		this.showMotion();
 	}
@@ -201,6 +205,7 @@ class Page {
 		}
 		this.chart.show(motion, this.motions.filter((other) => other !== motion));
 		this.chart.draw();
+		this.curves.draw();
 	}
 
 	/// Several motions: a choice, and a row for each.
@@ -317,6 +322,7 @@ class Page {
 			this.stage.resize();
 			this.stage.draw(); // at once: a new size clears the canvas, and the next frame comes after this one is shown
 			this.chart?.draw();
+			this.curves?.draw();
 		}).observe($("stage"));
 		this.stage.onDraw = (at) => this.placeTag(at);
 	}

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <cmath>
 
 namespace
@@ -39,6 +40,14 @@ protected:
 	{
 		return "{\"t\": " + std::to_string( t ) + ", \"seen\": " + std::to_string( seen ) + ", \"" + kind +
 		       "\": {\"collision_objects\": [" + objects + "]}}\n";
+	}
+	/// Three points as NumPy's array.
+	void writePoints( const std::string& name, const std::array<float, 9>& points ) const
+	{
+		std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (3, 3), }";
+		header += std::string( 63 - ( 10 + header.size() ) % 64, ' ' ) + "\n";
+		write( name, std::string( "\x93NUMPY\x01\x00", 8 ) + static_cast<char>( header.size() ) + std::string( 1, '\0' ) +
+		                 header + std::string( reinterpret_cast<const char*>( points.data() ), sizeof( points ) ) );
 	}
 	std::string verdict( double time ) const
 	{
@@ -137,14 +146,32 @@ TEST_F( CliGuard, PeopleAreNoReasonToSlowDown )
 	EXPECT_EQ( scale( 1 ), 1 );
 }
 
+// Sights at 0.1, 0.2 and 0.4 s; one between the last two comes late.
+TEST_F( CliGuard, FramesThatWereLeftOutCount )
+{
+	std::string log = R"({"t": 0, "cloud": {"resolution": 0.02, "box_min": [-1, -1, -0.2], "box_max": [1, 1, 0.2]}})"
+	                  "\n";
+	EXPECT_EQ( guard( log ).status, 0 );
+	EXPECT_EQ( report["frames"]["taken"], 0 );
+	EXPECT_TRUE( report["frames"]["per_second"].is_null() );
+	writePoints( "p.npy", { 5, 5, 0, 5, 5, 0.1F, 5, 5, 0.2F } );
+	for ( const auto& [t, seen] :
+	    { std::pair( 0.1, 0.1 ), std::pair( 0.2, 0.2 ), std::pair( 0.5, 0.4 ), std::pair( 0.6, 0.3 ) } )
+	{
+		log += "{\"t\": " + std::to_string( t ) + ", \"seen\": " + std::to_string( seen ) +
+		       R"(, "frame": {"points": "p.npy"}})" + "\n";
+	}
+	const Outcome outcome = guard( log );
+	EXPECT_EQ( report["frames"]["taken"], 3 ) << report;
+	EXPECT_NEAR( report["frames"]["per_second"].get<double>(), 2 / 0.3, 1e-9 );
+	EXPECT_NEAR( report["frames"]["longest_gap"].get<double>(), 0.2, 1e-9 );
+	EXPECT_TRUE( contains( outcome.out, "frames      3, 6.7 per second, at most 200 ms between two" ) ) << outcome.out;
+}
+
 // Points of a post, seen from above the arm; the second frame is older than the first, the third one's file is no array.
 TEST_F( CliGuard, AFrameIsNotSeen )
 {
-	const float points[][3] = { { 0.6F, 0.3F, -2 }, { 0.61F, 0.3F, -2 }, { 0.6F, 0.31F, -2 } };
-	std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (3, 3), }";
-	header += std::string( 63 - ( 10 + header.size() ) % 64, ' ' ) + "\n";
-	write( "p.npy", std::string( "\x93NUMPY\x01\x00", 8 ) + static_cast<char>( header.size() ) + std::string( 1, '\0' ) +
-	                    header + std::string( reinterpret_cast<const char*>( points ), sizeof( points ) ) );
+	writePoints( "p.npy", { 0.6F, 0.3F, -2, 0.61F, 0.3F, -2, 0.6F, 0.31F, -2 } );
 	write( "bad.npy", "hello" );
 	const std::string cloud =
 	    R"({"t": 0, "cloud": {"resolution": 0.02, "box_min": [-1, -1, -0.2], "box_max": [1, 1, 0.2], "shadow": 0.01}})";
