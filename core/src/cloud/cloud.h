@@ -276,12 +276,15 @@ void lwi_cloud_clear_points( lw_cloud* cloud, const lw_transform* world_from_sen
 	uint32_t stamp, lw_cloud_report* report );
 bool lwi_cloud_points_room( lw_cloud* cloud, uint32_t count ); ///< @return false without memory
 
-// ---- shapes: cloud/shapes.c ----
+// ---- shapes: cloud/shapes.c, cloud/boxes.c ----
 
 /// Metres: of the ball around each occupied voxel, rounded up.
 double lwi_cloud_radius( const lw_cloud* cloud );
 /// The balls of a chunk's occupied voxels as a shape; NULL if there are none.
 lw_status lwi_occupied_shape( const lw_cloud* cloud, const lwi_chunk* chunk, lw_diag* diag, lw_shape** out );
+/// The tree of a shape of balls or boxes, whose vertices and frame are set. @param codes [item_count] Morton codes of their middles, ascending, all
+/// different; the highest three bits are at `shift`. @return false without memory
+bool lwi_cloud_tree( lw_shape* shape, const uint32_t* codes, uint32_t shift );
 /// The unseen voxels of a chunk as boxes; NULL if there are none.
 lw_status lwi_unseen_shape( const lw_cloud* cloud, const lwi_chunk* chunk, lw_diag* diag, lw_shape** out );
 /// The chunks that are unseen as a whole, as boxes; NULL if there are none.

@@ -353,6 +353,26 @@ void lwi_ball_around_balls( lw_vec3 center, const double* centers, const double*
 	sphere[3] = lwi_round_up( largest * DISTANCE_FACTOR + DISTANCE_UNDERFLOW + slack );
 }
 
+void lwi_ball_around_boxes( lw_vec3 center, const double* boxes, size_t count, double slack, float sphere[4] )
+{
+	const float c[3] = { (float)center.x, (float)center.y, (float)center.z };
+	double largest_sq = 0.0;
+	for ( size_t i = 0; i < count; ++i )
+	{
+		double sq = 0.0;
+		for ( size_t k = 0; k < 3; ++k )
+		{
+			// to the farther side, whose distance is computed exactly as those of points are
+			const double below = (double)c[k] - boxes[6 * i + k], above = boxes[6 * i + 3 + k] - (double)c[k];
+			const double reach = below > above ? below : above;
+			sq += reach * reach;
+		}
+		largest_sq = sq > largest_sq ? sq : largest_sq;
+	}
+	memcpy( sphere, c, sizeof( c ) );
+	sphere[3] = lwi_round_up( sqrt( largest_sq ) * DISTANCE_FACTOR + DISTANCE_UNDERFLOW + slack );
+}
+
 void lwi_ball_around_spheres( lw_vec3 center, const float ( *spheres )[4], size_t count, float sphere[4] )
 {
 	float c[3] = { (float)center.x, (float)center.y, (float)center.z };

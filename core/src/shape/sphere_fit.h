@@ -37,6 +37,9 @@ void lwi_ball_around_points( lw_vec3 center, const double* points, size_t count,
 void lwi_ball_around_balls( lw_vec3 center, const double* centers, const double* radii, size_t count, double radius,
 	double slack, float sphere[4] );
 
+/// The same around boxes [count][6], least and greatest corners.
+void lwi_ball_around_boxes( lw_vec3 center, const double* boxes, size_t count, double slack, float sphere[4] );
+
 /// The same around float spheres [count][4].
 void lwi_ball_around_spheres( lw_vec3 center, const float ( *spheres )[4], size_t count, float sphere[4] );
 
