@@ -23,24 +23,34 @@ typedef struct voxel_box
 	uint8_t low[3], high[3];
 } voxel_box;
 
-/// Sets the unseen voxels of a block. Bits of a byte of a block are x + 2 y + 4 z in a cube of 2 voxels.
+/// Sets a cube of 4 voxels. Bits of a byte of its word are x + 2 y + 4 z in a cube of 2.
+static void add_word( rows* out, uint64_t bits, uint32_t x, uint32_t y, uint32_t z )
+{
+	if ( bits == UINT64_MAX )
+	{
+		for ( uint32_t row = 0; row < 16; ++row )
+		{
+			out->at[z + row / 4][y + row % 4] |= 0xfu << x;
+		}
+		return;
+	}
+	for ( uint32_t byte = 0; bits != 0; ++byte, bits >>= 8 )
+	{
+		const uint32_t b = (uint32_t)bits & 0xff, at = x + ( byte & 1 ) * 2;
+		uint32_t* row = &out->at[z + ( byte >> 2 ) * 2][y + ( byte >> 1 & 1 ) * 2];
+		row[0] |= ( b & 3 ) << at;
+		row[1] |= ( b >> 2 & 3 ) << at;
+		row[LWI_CHUNK_EDGE] |= ( b >> 4 & 3 ) << at;
+		row[LWI_CHUNK_EDGE + 1] |= ( b >> 6 & 3 ) << at;
+	}
+}
+
 static void add_block( rows* out, const lwi_block* block, const uint32_t at[3] )
 {
-	for ( uint32_t byte = 0; byte < LWI_BLOCK_VOXELS / 8; ++byte )
+	for ( uint32_t w = 0; w < LWI_BLOCK_WORDS; ++w )
 	{
-		const uint32_t bits = (uint32_t)( ~block->seen[byte >> 3] >> ( 8 * ( byte & 7 ) ) ) & 0xff;
-		if ( bits == 0 )
-		{
-			continue;
-		}
-		uint32_t v[3];
-		lwi_unmorton( byte << 3, v );
-		uint32_t* row = &out->at[8 * at[2] + v[2]][8 * at[1] + v[1]];
-		const uint32_t x = 8 * at[0] + v[0];
-		row[0] |= ( bits & 3 ) << x;
-		row[1] |= ( bits >> 2 & 3 ) << x;
-		row[LWI_CHUNK_EDGE] |= ( bits >> 4 & 3 ) << x;
-		row[LWI_CHUNK_EDGE + 1] |= ( bits >> 6 & 3 ) << x;
+		add_word( out, ~block->seen[w], 8 * at[0] + ( w & 1 ) * 4, 8 * at[1] + ( w >> 1 & 1 ) * 4,
+			8 * at[2] + ( w >> 2 ) * 4 );
 	}
 }
 

@@ -23,8 +23,7 @@ typedef struct triple
 
 enum
 {
-	CUBES = 3, ///< of 4, 2 and 1 voxels, in one of twice the edge
-	FEW = 4    ///< voxels
+	FEW = 4 ///< voxels
 };
 
 typedef struct clearer
@@ -37,7 +36,8 @@ typedef struct clearer
 	float edge, margin; ///< metres
 	/// Half sizes of the boxes, along the axes of the view, around a voxel and around cubes of 2, 4, 8, 32.
 	triple voxel, byte, word, block, chunk;
-	triple step[CUBES][8]; ///< from the middle of a cube to those of its eighths
+	triple words[8];                 ///< from the middle of a block to those of its words
+	float cubes[3][8], voxels[3][8]; ///< x, y and z from the middle of a word to those of its bytes, and on to their voxels
 } clearer;
 
 /// The pixels that a box covers, and the least and greatest depth that they saw.
@@ -52,45 +52,97 @@ static inline uint32_t clamped( float value, int most )
 	return value <= 0 ? 0 : value >= (float)most ? (uint32_t)most : (uint32_t)(int)value;
 }
 
-/// @param near, far of the box: depths, > 0
-static inline window look( const clearer* c, triple at, triple half, float near, float far )
+/// The pixels that a box covers, a pixel more on the upper sides at most; not yet clipped to the picture.
+typedef struct span
 {
-	const lwi_view* view = c->view;
-	const int right = (int)view->width[0] - 1, bottom = (int)view->height[0] - 1;
+	float u0, u1, v0, v1;
+} span;
+
+/// @param near, far of the box: depths, > 0
+static inline span span_of( const clearer* c, triple at, triple half, float near, float far )
+{
 	const float by_near = 1 / near, by_far = 1 / far;
-	// the greatest and the least x / z of the box, in pixels; a pixel more on the upper sides, at most
+	// the greatest and the least x / z of the box, in pixels
 	const float x0 = at.x - half.x, x1 = at.x + half.x, y0 = at.y - half.y, y1 = at.y + half.y;
-	const float u0 = c->fx * x0 * ( x0 >= 0 ? by_far : by_near ) + c->cx;
-	const float u1 = c->fx * x1 * ( x1 >= 0 ? by_near : by_far ) + c->cx + 1;
-	const float v0 = c->fy * y0 * ( y0 >= 0 ? by_far : by_near ) + c->cy;
-	const float v1 = c->fy * y1 * ( y1 >= 0 ? by_near : by_far ) + c->cy + 1;
-	window out = { .meets = u1 >= 0 && v1 >= 0 && u0 < (float)right + 1 && v0 < (float)bottom + 1,
-		.inside = u0 >= 0 && v0 >= 0 && u1 < (float)right + 1 && v1 < (float)bottom + 1,
-		.least = INFINITY };
+	return ( span ){ .u0 = c->fx * x0 * ( x0 >= 0 ? by_far : by_near ) + c->cx,
+		.u1 = c->fx * x1 * ( x1 >= 0 ? by_near : by_far ) + c->cx + 1,
+		.v0 = c->fy * y0 * ( y0 >= 0 ? by_far : by_near ) + c->cy,
+		.v1 = c->fy * y1 * ( y1 >= 0 ? by_near : by_far ) + c->cy + 1 };
+}
+
+static inline bool is_inside( const lwi_view* view, const span* s )
+{
+	return s->u0 >= 0 && s->v0 >= 0 && s->u1 < (float)view->width[0] && s->v1 < (float)view->height[0];
+}
+
+/// A few pixels of a level of the pyramid: both ends count.
+typedef struct pixels
+{
+	uint32_t level, left, right, top, bottom;
+} pixels;
+
+/// At most three by three squares that contain a span.
+static inline pixels pixels_of( const lwi_view* view, const span* s )
+{
+	const int right = (int)view->width[0] - 1, bottom = (int)view->height[0] - 1;
+	pixels p = { 0, clamped( s->u0, right ), clamped( s->u1, right ), clamped( s->v0, bottom ), clamped( s->v1, bottom ) };
+	while ( p.right - p.left > 2 || p.bottom - p.top > 2 )
+	{
+		++p.level;
+		p.left >>= 1;
+		p.right >>= 1;
+		p.top >>= 1;
+		p.bottom >>= 1;
+	}
+	return p;
+}
+
+static inline window look( const lwi_view* view, const span* s )
+{
+	window out = {
+		.meets = s->u1 >= 0 && s->v1 >= 0 && s->u0 < (float)view->width[0] && s->v0 < (float)view->height[0],
+		.inside = is_inside( view, s ),
+		.least = INFINITY,
+	};
 	if ( !out.meets )
 	{
 		return out;
 	}
-	uint32_t left = clamped( u0, right ), top = clamped( v0, bottom );
-	uint32_t last_u = clamped( u1, right ), last_v = clamped( v1, bottom );
-	uint32_t level = 0;
-	while ( last_u - left > 2 || last_v - top > 2 )
+	const pixels p = pixels_of( view, s );
+	for ( uint32_t v = p.top; v <= p.bottom; ++v )
 	{
-		++level;
-		left >>= 1;
-		top >>= 1;
-		last_u >>= 1;
-		last_v >>= 1;
-	}
-	const uint32_t width = view->width[level];
-	for ( uint32_t v = top; v <= last_v; ++v )
-	{
-		for ( uint32_t u = left; u <= last_u; ++u )
+		const size_t row = (size_t)v * view->width[p.level];
+		for ( uint32_t u = p.left; u <= p.right; ++u )
 		{
-			const float least = view->least[level][(size_t)v * width + u],
-						greatest = view->greatest[level][(size_t)v * width + u];
+			const float least = view->least[p.level][row + u], greatest = view->greatest[p.level][row + u];
 			out.least = least < out.least ? least : out.least;
 			out.greatest = greatest > out.greatest ? greatest : out.greatest;
+		}
+	}
+	return out;
+}
+
+/// The same for a voxel, whose greatest depth nobody asks for: it ends as soon as the least is known to be too small, or all that matters.
+static inline window look_at_voxel( const clearer* c, triple at, float near, float far, float behind )
+{
+	const lwi_view* view = c->view;
+	const span s = span_of( c, at, c->voxel, near, far );
+	window out = { .inside = is_inside( view, &s ), .least = INFINITY };
+	if ( !out.inside )
+	{
+		return out;
+	}
+	const pixels p = pixels_of( view, &s );
+	for ( uint32_t v = p.top; v <= p.bottom; ++v )
+	{
+		const float* row = view->least[p.level] + (size_t)v * view->width[p.level];
+		for ( uint32_t u = p.left; u <= p.right; ++u )
+		{
+			out.least = row[u] < out.least ? row[u] : out.least;
+		}
+		if ( !( out.least > behind ) )
+		{
+			break;
 		}
 	}
 	return out;
@@ -102,9 +154,9 @@ static inline float slack( float far )
 	return 4e-6f * far;
 }
 
-static judgement judge( const clearer* c, triple at, triple half )
+/// Of a box between these depths, and its span, which nobody reads if the box is not in front of the sensor.
+static inline judgement judge_span( const clearer* c, float near, float far, const span* s )
 {
-	const float near = at.z - half.z, far = at.z + half.z;
 	if ( far <= 0 )
 	{
 		return NONE;
@@ -113,13 +165,20 @@ static judgement judge( const clearer* c, triple at, triple half )
 	{
 		return SOME;
 	}
-	const window seen = look( c, at, half, near, far );
+	const window seen = look( c->view, s );
 	// the far side of the nearest voxel is behind `near` by the size of a voxel
 	if ( !seen.meets || seen.greatest <= near + 2 * c->voxel.z + c->margin )
 	{
 		return NONE;
 	}
 	return seen.inside && seen.least > far + c->margin + slack( far ) && far <= (float)c->view->sure_depth ? ALL : SOME;
+}
+
+static judgement judge( const clearer* c, triple at, triple half )
+{
+	const float near = at.z - half.z, far = at.z + half.z;
+	const span s = span_of( c, at, half, near, far );
+	return judge_span( c, near, far, &s );
 }
 
 /// Does the ray of a pixel go through the ball inside a voxel, and end behind it?
@@ -158,23 +217,10 @@ static bool is_passed( const clearer* c, triple at, float behind )
 	return false;
 }
 
-static bool is_free( const clearer* c, triple at )
+/// @param far, behind depths of its far side, and of the nearest thing that may be seen behind it
+static bool is_free( const clearer* c, triple at, float far, float behind )
 {
-	const lwi_view* view = c->view;
-	const float near = at.z - c->voxel.z, far = at.z + c->voxel.z;
-	if ( near <= 0.5f * c->edge )
-	{
-		return false;
-	}
-	// most voxels are on a surface: the pixel in their middle is enough to keep them
-	const float by_z = 1 / at.z, u = c->fx * at.x * by_z + c->cx + 0.5f, v = c->fy * at.y * by_z + c->cy + 0.5f;
-	const float behind = far + c->margin + slack( far );
-	if ( !( u >= 0 && v >= 0 && u < (float)view->width[0] && v < (float)view->height[0] ) ||
-		 view->least[0][(size_t)(int)v * view->width[0] + (size_t)(int)u] <= behind )
-	{
-		return false;
-	}
-	const window seen = look( c, at, c->voxel, near, far );
+	const window seen = look_at_voxel( c, at, at.z - c->voxel.z, far, behind );
 	return seen.inside && seen.least > behind && ( far <= (float)c->view->sure_depth || is_passed( c, at, behind ) );
 }
 
@@ -183,16 +229,63 @@ static inline triple moved( triple at, triple by )
 	return ( triple ){ at.x + by.x, at.y + by.y, at.z + by.z };
 }
 
-/// The voxels of a byte that are free, of those asked for.
+/// The voxels of a byte that are free, of those asked for. Most voxels are on a surface: the pixel in their middle is enough to keep them. All
+/// eight are projected together.
 static uint64_t free_in_byte( const clearer* c, triple middle, uint64_t asked )
 {
+	const lwi_view* view = c->view;
+	const float width = (float)view->width[0], height = (float)view->height[0];
+	float x[8], y[8], z[8], u[8], v[8], behind[8];
+	for ( int k = 0; k < 8; ++k )
+	{
+		x[k] = middle.x + c->voxels[0][k];
+		y[k] = middle.y + c->voxels[1][k];
+		z[k] = middle.z + c->voxels[2][k];
+		const float by_z = 1 / z[k], far = z[k] + c->voxel.z;
+		u[k] = c->fx * x[k] * by_z + c->cx + 0.5f;
+		v[k] = c->fy * y[k] * by_z + c->cy + 0.5f;
+		behind[k] = far + c->margin + slack( far );
+	}
 	uint64_t free = 0;
 	for ( uint64_t left = asked; left != 0; left &= left - 1 )
 	{
 		const uint32_t k = lwi_lowest( left );
-		free |= (uint64_t)is_free( c, moved( middle, c->step[2][k] ) ) << k;
+		if ( z[k] - c->voxel.z > 0.5f * c->edge && u[k] >= 0 && v[k] >= 0 && u[k] < width && v[k] < height &&
+			 view->least[0][(size_t)(int)v[k] * view->width[0] + (size_t)(int)u[k]] > behind[k] )
+		{
+			const triple at = { x[k], y[k], z[k] };
+			free |= (uint64_t)is_free( c, at, z[k] + c->voxel.z, behind[k] ) << k;
+		}
 	}
 	return free;
+}
+
+/// The eight bytes of a word.
+typedef struct bytes
+{
+	float x[8], y[8], z[8], near[8], far[8];
+	float u0[8], u1[8], v0[8], v1[8]; ///< span_of()
+} bytes;
+
+/// Projects all of them together: the same operations as span_of(), in lanes.
+static void project_bytes( const clearer* c, triple middle, bytes* out )
+{
+	const triple half = c->byte;
+	for ( int k = 0; k < 8; ++k )
+	{
+		const float x = middle.x + c->cubes[0][k], y = middle.y + c->cubes[1][k], z = middle.z + c->cubes[2][k];
+		const float near = z - half.z, far = z + half.z, by_near = 1 / near, by_far = 1 / far;
+		const float x0 = x - half.x, x1 = x + half.x, y0 = y - half.y, y1 = y + half.y;
+		out->u0[k] = c->fx * x0 * ( x0 >= 0 ? by_far : by_near ) + c->cx;
+		out->u1[k] = c->fx * x1 * ( x1 >= 0 ? by_near : by_far ) + c->cx + 1;
+		out->v0[k] = c->fy * y0 * ( y0 >= 0 ? by_far : by_near ) + c->cy;
+		out->v1[k] = c->fy * y1 * ( y1 >= 0 ? by_near : by_far ) + c->cy + 1;
+		out->x[k] = x;
+		out->y[k] = y;
+		out->z[k] = z;
+		out->near[k] = near;
+		out->far[k] = far;
+	}
 }
 
 /// The voxels of a word that are free, of those asked for: an octree of three levels. Few voxels are looked up at once.
@@ -204,13 +297,16 @@ static uint64_t free_bits( const clearer* c, triple middle, uint64_t asked )
 		return word == ALL ? asked : 0;
 	}
 	uint64_t found = 0;
+	bytes cubes;
+	project_bytes( c, middle, &cubes );
 	for ( uint32_t i = 0; i < 8; ++i )
 	{
 		const uint64_t byte = asked >> ( 8 * i ) & 0xff;
 		if ( byte != 0 )
 		{
-			const triple at = moved( middle, c->step[1][i] );
-			const judgement all = lwi_bits( byte ) <= FEW ? SOME : judge( c, at, c->byte );
+			const span s = { cubes.u0[i], cubes.u1[i], cubes.v0[i], cubes.v1[i] };
+			const judgement all = lwi_bits( byte ) <= FEW ? SOME : judge_span( c, cubes.near[i], cubes.far[i], &s );
+			const triple at = { cubes.x[i], cubes.y[i], cubes.z[i] };
 			found |= ( all == ALL ? byte : all == SOME ? free_in_byte( c, at, byte ) : 0 ) << ( 8 * i );
 		}
 	}
@@ -256,7 +352,8 @@ static uint32_t count_in_box( const lw_cloud* cloud, const int32_t corner[3], in
 	return count;
 }
 
-static void clear_block( clearer* c, uint32_t chunk_index, uint32_t b )
+/// @param first voxel of the chunk
+static void clear_block( clearer* c, uint32_t chunk_index, const int32_t first[3], uint32_t b )
 {
 	lw_cloud* cloud = c->cloud;
 	lwi_chunk* chunk = lwi_chunk_at( cloud, chunk_index );
@@ -277,8 +374,13 @@ static void clear_block( clearer* c, uint32_t chunk_index, uint32_t b )
 	{
 		return;
 	}
+	uint32_t in_chunk[3];
+	lwi_unmorton( b, in_chunk );
 	int32_t corner[3];
-	lwi_block_corner( cloud, chunk->place, b, corner );
+	for ( int k = 0; k < 3; ++k )
+	{
+		corner[k] = first[k] + (int32_t)( LWI_BLOCK_EDGE * in_chunk[k] );
+	}
 	const triple middle = to_view( c->view, middle_of( cloud, corner, LWI_BLOCK_EDGE ) );
 	const judgement all = judge( c, middle, c->block );
 	if ( all == NONE )
@@ -302,7 +404,7 @@ static void clear_block( clearer* c, uint32_t chunk_index, uint32_t b )
 	for ( uint32_t w = 0; w < LWI_BLOCK_WORDS; ++w )
 	{
 		const uint64_t wanted = known != NULL ? asked[w] : ~block->seen[w];
-		uint64_t bits = wanted == 0 || all == ALL ? wanted : free_bits( c, moved( middle, c->step[0][w] ), wanted );
+		uint64_t bits = wanted == 0 || all == ALL ? wanted : free_bits( c, moved( middle, c->words[w] ), wanted );
 		bits = ( bits & ~block->occupied[w] ) | lwi_older_bits( cloud, index, w, bits & block->occupied[w], c->stamp );
 		if ( bits != 0 )
 		{
@@ -338,7 +440,7 @@ static void clear_chunk( clearer* c, size_t place )
 	is = lwi_chunk_make( cloud, place );
 	for ( uint32_t b = 0; is != LW_INVALID_INDEX && b < LWI_CHUNK_BLOCKS; ++b )
 	{
-		clear_block( c, is, b );
+		clear_block( c, is, corner, b );
 	}
 }
 
@@ -404,14 +506,16 @@ static clearer begin_clear( lw_cloud* cloud, const lwi_view* view, uint32_t stam
 		.word = half_size( view, 4 * edge ),
 		.block = half_size( view, LWI_BLOCK_EDGE * edge ),
 		.chunk = half_size( view, LWI_CHUNK_EDGE * edge ) };
-	for ( int level = 0; level < CUBES; ++level )
+	for ( uint32_t i = 0; i < 8; ++i )
 	{
-		const double by = edge * ( level == 0 ? 2 : level == 1 ? 1 : 0.5 );
-		for ( uint32_t i = 0; i < 8; ++i )
+		const lw_vec3 step =
+			lwi_rotate( &view->view_from_world, lwi_v3( i & 1 ? edge : -edge, i & 2 ? edge : -edge, i & 4 ? edge : -edge ) );
+		const double by[3] = { step.x, step.y, step.z };
+		c.words[i] = ( triple ){ (float)( 2 * step.x ), (float)( 2 * step.y ), (float)( 2 * step.z ) };
+		for ( int k = 0; k < 3; ++k )
 		{
-			const lw_vec3 step =
-				lwi_rotate( &view->view_from_world, lwi_v3( i & 1 ? by : -by, i & 2 ? by : -by, i & 4 ? by : -by ) );
-			c.step[level][i] = ( triple ){ (float)step.x, (float)step.y, (float)step.z };
+			c.cubes[k][i] = (float)by[k];
+			c.voxels[k][i] = (float)( 0.5 * by[k] );
 		}
 	}
 	return c;
