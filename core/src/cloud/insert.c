@@ -160,35 +160,41 @@ void lw_cloud_allow_jump( lw_cloud* cloud, uint32_t sensor )
 
 // ---- points into voxels ----------------------------------------------------------------------------------------------
 
+/// A block that points fell into.
+typedef struct entered
+{
+	uint32_t at[3]; ///< in blocks
+	lwi_body_set near;
+	bool is_near;
+	bool is_lost;     ///< it could not be made
+	lwi_block* block; ///< NULL: not made yet
+	lwi_chunk* chunk;
+} entered;
+
 typedef struct inserter
 {
 	lw_cloud* cloud;
 	lw_cloud_report* report;
 	const lwi_own_body* bodies;
 	uint32_t body_count;
-	// the block of the last point
-	uint32_t at[3];
-	lwi_body_set near;
-	bool is_near;
-	lwi_chunk* chunk;
-	lwi_block* block; ///< NULL: not made yet
-	bool is_lost;     ///< it could not be made
+	entered last[8]; ///< by the lowest bits of their places: points of a surface go to and fro between neighbours
 } inserter;
 
 static inserter begin_insert( lw_cloud* cloud, const lwi_own_body* bodies, uint32_t body_count, lw_cloud_report* report )
 {
-	return ( inserter ){ .cloud = cloud,
-		.report = report,
-		.bodies = bodies,
-		.body_count = body_count,
-		.at = { LW_INVALID_INDEX, LW_INVALID_INDEX, LW_INVALID_INDEX } };
+	inserter in = { .cloud = cloud, .report = report, .bodies = bodies, .body_count = body_count };
+	for ( int i = 0; i < 8; ++i )
+	{
+		in.last[i].at[0] = LW_INVALID_INDEX;
+	}
+	return in;
 }
 
-static void enter_block( inserter* in, const uint32_t at[3] )
+static void enter_block( const inserter* in, const uint32_t at[3], entered* out )
 {
-	memcpy( in->at, at, sizeof( in->at ) );
-	in->block = NULL;
-	in->is_lost = in->is_near = false;
+	memcpy( out->at, at, sizeof( out->at ) );
+	out->block = NULL;
+	out->is_lost = out->is_near = false;
 	if ( in->body_count > 0 )
 	{
 		const double edge = LWI_BLOCK_EDGE * in->cloud->def.resolution;
@@ -197,26 +203,25 @@ static void enter_block( inserter* in, const uint32_t at[3] )
 		{
 			center[k] = lwi_voxel_low( in->cloud, k, (int32_t)( at[k] * LWI_BLOCK_EDGE ) ) + 0.5 * edge;
 		}
-		in->is_near = lwi_own_bodies_near( in->bodies, in->body_count, center, edge, &in->near );
+		out->is_near = lwi_own_bodies_near( in->bodies, in->body_count, center, edge, &out->near );
 	}
 }
 
-static void make_block( inserter* in )
+static void make_block( lw_cloud* cloud, entered* out )
 {
-	lw_cloud* cloud = in->cloud;
-	const uint32_t chunk_at[3] = { in->at[0] / 4, in->at[1] / 4, in->at[2] / 4 };
+	const uint32_t chunk_at[3] = { out->at[0] / 4, out->at[1] / 4, out->at[2] / 4 };
 	const uint32_t chunk = lwi_chunk_make( cloud, lwi_table_place( cloud, chunk_at ) );
-	const uint32_t block = chunk == LW_INVALID_INDEX
-							   ? chunk
-							   : lwi_block_make( cloud, chunk, lwi_morton( in->at[0] % 4, in->at[1] % 4, in->at[2] % 4 ) );
-	in->is_lost = block == LW_INVALID_INDEX;
-	if ( in->is_lost )
+	const uint32_t block = chunk == LW_INVALID_INDEX ? chunk
+													 : lwi_block_make( cloud, chunk,
+														   lwi_morton( out->at[0] % 4, out->at[1] % 4, out->at[2] % 4 ) );
+	out->is_lost = block == LW_INVALID_INDEX;
+	if ( out->is_lost )
 	{
 		return;
 	}
-	in->chunk = lwi_chunk_at( cloud, chunk );
-	in->block = lwi_block_at( cloud, block );
-	if ( in->block->frame != cloud->frame )
+	out->chunk = lwi_chunk_at( cloud, chunk );
+	out->block = lwi_block_at( cloud, block );
+	if ( out->block->frame != cloud->frame )
 	{
 		lwi_block_begin_frame( cloud, block );
 	}
@@ -238,26 +243,27 @@ static inline void insert_point( inserter* in, double x, double y, double z )
 		v[k] = (uint32_t)(int32_t)voxel;
 		at[k] = v[k] / LWI_BLOCK_EDGE;
 	}
-	if ( at[0] != in->at[0] || at[1] != in->at[1] || at[2] != in->at[2] )
+	entered* e = &in->last[( at[0] & 1 ) | ( at[1] & 1 ) << 1 | ( at[2] & 1 ) << 2];
+	if ( at[0] != e->at[0] || at[1] != e->at[1] || at[2] != e->at[2] )
 	{
-		enter_block( in, at );
+		enter_block( in, at, e );
 	}
-	if ( in->is_near && lwi_own_body_has( in->cloud, in->bodies, &in->near, lwi_v3( x, y, z ) ) )
+	if ( e->is_near && lwi_own_body_has( in->cloud, in->bodies, &e->near, lwi_v3( x, y, z ) ) )
 	{
 		++in->report->own;
 		return;
 	}
-	if ( in->block == NULL && !in->is_lost )
+	if ( e->block == NULL && !e->is_lost )
 	{
-		make_block( in );
+		make_block( in->cloud, e );
 	}
-	if ( in->is_lost )
+	if ( e->is_lost )
 	{
 		++in->report->lost;
 		return;
 	}
 	++in->report->inserted;
-	lwi_block* block = in->block;
+	lwi_block* block = e->block;
 	const uint32_t m = lwi_morton( v[0] % 8, v[1] % 8, v[2] % 8 ), w = m >> 6;
 	const uint64_t bit = (uint64_t)1 << ( m & 63 );
 	if ( ( block->hit[w] & bit ) != 0 )
@@ -268,8 +274,8 @@ static inline void insert_point( inserter* in, double x, double y, double z )
 	if ( ( block->occupied[w] & bit ) == 0 )
 	{
 		++in->report->added;
-		in->chunk->occupied_changed = true;
-		in->chunk->unseen_changed = in->chunk->unseen_changed || ( block->seen[w] & bit ) == 0;
+		e->chunk->occupied_changed = true;
+		e->chunk->unseen_changed = e->chunk->unseen_changed || ( block->seen[w] & bit ) == 0;
 		block->occupied[w] |= bit;
 		block->seen[w] |= bit;
 	}
