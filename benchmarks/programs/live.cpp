@@ -175,6 +175,7 @@ struct Times
 	std::map<std::string, std::vector<double>> of;
 	Hash hash;
 	std::size_t missing = 0, differing = 0;
+	std::vector<double> rebuilt, rebuilt_blocked; ///< shapes that a scene made anew
 };
 
 using CloudPtr = std::unique_ptr<lw_cloud, CloudReleaser>;
@@ -339,6 +340,8 @@ int report( const Times& times, const lw_cloud_info& info, Result& result )
 	std::printf( "%llu voxels, %u blocks, %u shapes, %.0f MB; %zu points without a voxel, %zu answers that differ\n",
 	    static_cast<unsigned long long>( info.occupied ), info.blocks, info.shapes, static_cast<double>( info.bytes ) / 1e6,
 	    times.missing, times.differing );
+	std::printf( "  shapes made anew for a scene: median %.0f; %.0f if unseen is blocked\n",
+	    summarise( times.rebuilt ).median, summarise( times.rebuilt_blocked ).median );
 	const double base = summarise( times.of.at( "insert a depth image" ) ).median;
 	for ( const auto& [what, values] : times.of )
 	{
@@ -349,7 +352,8 @@ int report( const Times& times, const lw_cloud_info& info, Result& result )
 		std::printf(
 		    "  %-34s us: median %10.1f, 99 %% %10.1f, ratio %8.2f\n", what.c_str(), s.median, p99, s.median / base );
 		Json row = { { "what", what }, { "p99_us", rounded( p99 ) }, { "ratio", rounded( s.median / base ) },
-		    { "voxels", info.occupied }, { "shapes", info.shapes }, { "answers_hash", times.hash.text() } };
+		    { "voxels", info.occupied }, { "shapes", info.shapes }, { "rebuilt", summarise( times.rebuilt ).median },
+		    { "answers_hash", times.hash.text() } };
 		row.update( toJson( s ) );
 		result.add( std::move( row ) );
 	}
@@ -397,6 +401,10 @@ void takeFrame( Run& run, const lw_cloud_frame& frame, const std::vector<float>&
 	note( times, measured, "insert a depth image", microseconds( [&] { insert( run.cloud.get(), frame, &counts ); } ) );
 	leeway::Scene scene;
 	note( times, measured, "scene", microseconds( [&] { scene = sceneOf( run.cloud.get() ); } ) );
+	if ( measured )
+	{
+		times.rebuilt.push_back( lw_cloud_get_info( run.cloud.get() ).rebuilt );
+	}
 	leeway::Checker next;
 	note( times, measured, "edit of the checker", microseconds( [&] { next = edited( run.checker, scene.get() ); } ) );
 	run.checker = next;
@@ -454,6 +462,7 @@ void drive( Run& run, int k, int warm, int settled )
 	note( run.times, k >= settled, "insert, unseen is blocked",
 	    microseconds( [&] { insert( run.blocked.get(), frame, nullptr ); } ) );
 	note( run.times, k >= settled, "scene, unseen is blocked", microseconds( [&] { sceneOf( run.blocked.get() ); } ) );
+	run.times.rebuilt_blocked.push_back( lw_cloud_get_info( run.blocked.get() ).rebuilt );
 }
 
 int run( const Settings& s, Result& result )
