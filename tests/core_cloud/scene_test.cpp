@@ -201,6 +201,62 @@ TEST( CloudScenes, AnUnseenVoxelIsFree )
 	}
 }
 
+/// Boxes of unseen voxels have these voxels, each once, whatever was seen before and wherever the cloud ends; and their trees are valid.
+TEST( CloudScenes, AnUnseenVoxelIsInTwoBoxes )
+{
+	SeededRng rng( 20261213 );
+	for ( int round = 0; round < 40; ++round )
+	{
+		lw_cloud_def def = cloudOf( 0.1, 1 );
+		for ( int k = 0; k < 3; ++k )
+		{
+			def.box_min[k] = -rng.uniform( 0.1, 4 );
+			def.box_max[k] = rng.uniform( 0.1, 4 );
+		}
+		def.unseen_blocked = true;
+		const CloudPtr cloud = makeCloud( def );
+		const lw_cloud_info info = lw_cloud_get_info( cloud.get() );
+		for ( int i = rng.integer( 0, 30 ); i > 0; --i )
+		{
+			double low[3], high[3];
+			for ( int k = 0; k < 3; ++k )
+			{
+				low[k] = rng.uniform( info.box_min[k], info.box_max[k] );
+				high[k] = low[k] + rng.uniform( 0, round % 2 == 0 ? 3 : 0.3 );
+			}
+			const lw_cloud_voxel state = rng.integer( 0, 3 ) == 0 ? LW_VOXEL_UNSEEN : LW_VOXEL_FREE;
+			ASSERT_EQ( LW_OK, lw_cloud_set_box( cloud.get(), low, high, state, nullptr ) );
+		}
+		double expected = -static_cast<double>( lw_cloud_voxels( cloud.get(), LW_VOXEL_FREE, nullptr, 0 ) ), found = 0,
+		       all = 1;
+		for ( int k = 0; k < 3; ++k )
+		{
+			all *= std::round( ( info.box_max[k] - info.box_min[k] ) / 0.1 );
+		}
+		expected += all;
+		const leeway::Scene scene = sceneOf( cloud.get() );
+		for ( std::uint32_t i = 0; i < lw_scene_shape_count( scene.get() ); ++i )
+		{
+			const lw_shape* shape = lw_scene_shape( scene.get(), i ).shape;
+			lw_diag diag = {};
+			ASSERT_EQ( LW_OK, lwi_shape_validate( shape, &diag ) ) << diag.message;
+			for ( std::uint32_t box = 0; box < lw_shape_get_info( shape ).vertex_count / 2; ++box )
+			{
+				const double* corner = lw_shape_vertices( shape ) + 6 * static_cast<std::size_t>( box );
+				double voxels = 1;
+				for ( int k = 0; k < 3; ++k )
+				{
+					voxels *= std::round( ( corner[3 + k] - corner[k] ) / 0.1 );
+					ASSERT_GE( corner[k], info.box_min[k] );
+					ASSERT_LE( corner[3 + k], info.box_max[k] );
+				}
+				found += voxels;
+			}
+		}
+		EXPECT_EQ( found, expected ) << round;
+	}
+}
+
 /// After any history the balls are those of a cloud that is filled at once.
 TEST( CloudScenes, HistoryChangesAScene )
 {
