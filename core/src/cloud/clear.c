@@ -81,12 +81,12 @@ typedef struct pixels
 	uint32_t level, left, right, top, bottom;
 } pixels;
 
-/// At most three by three squares that contain a span.
+/// At most four by four squares that contain a span.
 static inline pixels pixels_of( const lwi_view* view, const span* s )
 {
 	const int right = (int)view->width[0] - 1, bottom = (int)view->height[0] - 1;
 	pixels p = { 0, clamped( s->u0, right ), clamped( s->u1, right ), clamped( s->v0, bottom ), clamped( s->v1, bottom ) };
-	while ( p.right - p.left > 2 || p.bottom - p.top > 2 )
+	while ( p.right - p.left > 3 || p.bottom - p.top > 3 )
 	{
 		++p.level;
 		p.left >>= 1;
