@@ -210,7 +210,7 @@ struct PeerFrame
 	octomap::point3d origin;
 };
 
-/// Gives back what the peer before has left in the allocator, so that the next one does not pay for it.
+/// Gives back the free pieces of the peer before, so that the next one does not pay for them.
 void tidyMemory()
 {
 #if defined( __GLIBC__ )

@@ -5,7 +5,7 @@ how fast the arm may go. Camera, person and controller are simulated here; the c
 
     python 07_live.py [OUT.png]
 
-Each cycle asks two questions. Is the rest of the motion proved, beside the desk and all that the camera sees? And how fast may the arm go beside
+Each cycle asks two questions. Is the rest of the motion proved, beside the desk and everything in the camera's map? And how fast may the arm go beside
 somebody who moves at up to 1.6 m/s? At the end dense points of the links are compared with the true person and the true desk: the arm touches nothing, and
 comes nearer than PROMISED to the person only while it stands. The same drive without guard runs into the hand.
 """
@@ -124,7 +124,7 @@ def state(at):
 # ---- the guards
 
 class Guarded:
-    """The map of the camera, and what it says about the motion."""
+    """The map of the camera, and its guards of the motion."""
 
     def __init__(self):
         self.world = leeway.World(robot, None, group="arm")
@@ -132,8 +132,8 @@ class Guarded:
             self.world.add(name, shape, at)
         self.world.allow("foot", "desk")
         self.people = leeway.World(robot, None, group="arm")
-        # above the mug: desk and mug are known. Within the view, and so near that each voxel has a pixel: a person who leaves is cleared.
-        # 2 cm cover the noise, and what is between the pixels
+        # above the mug: desk and mug are known. Within the view, and so near that each voxel has a pixel: people are cleared as they leave.
+        # 2 cm cover the noise, and gaps between the pixels
         self.cloud = leeway.Cloud(resolution=0.03, box=[[-0.3, -1.3, 0.12], [1.4, 1.3, 1.2]], sensor_error=0.02, shadow=0.04)
         self.guard = leeway.Guard(self.world.checker, times, positions, velocities, min_d=0.005, spare_shapes=256)
         self.beside = leeway.Guard(self.people.checker, times, positions, velocities, spare_shapes=256)
