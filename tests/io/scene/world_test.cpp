@@ -106,6 +106,28 @@ TEST_F( WorldTest, MovedObjectIsWhereItWas )
 	EXPECT_NEAR( world.problem()->object_poses.at( "cup" ).t[2], -0.45, 1e-12 );
 }
 
+TEST_F( WorldTest, AContactThatOptionsAllowIsForgottenByAChange )
+{
+	const RobotModel model = robot();
+	const SceneModel objects = scene();
+	ProblemOptions options;
+	options.group = "arm";
+	options.scene = &objects;
+	options.allowed = { { "hand", "cup" }, { "later", "hand" } };
+	World world( model, options );
+	const auto clearance = [&]( const Checker& checker ) { return ask( checker, { 0, 0 } ).environment.lower; };
+	lw_transform at_hand = lw_transform_identity();
+	at_hand.t[2] = -0.35;
+	EXPECT_GT( clearance( world.move( "cup", at_hand ) ), 0 );
+	EXPECT_EQ( clearance( world.move( "jar", at_hand ) ), 0 );
+	lw_transform away = at_hand;
+	away.t[0] = 5;
+	world.move( "jar", away );
+	const Checker later = world.add( "later", objects.objects.front().shapes, at_hand );
+	EXPECT_GT( clearance( later ), 0 );
+	EXPECT_EQ( clearance( world.allow( "hand", "later", false ) ), 0 );
+}
+
 TEST_F( WorldTest, AttachedObjectStaysBehindOrTouchesItsFingers )
 {
 	const SceneModel model =

@@ -23,7 +23,7 @@ namespace leeway::io
 class World
 {
 public:
-	/// Calls buildProblem(), and keeps the scene's allowed collision matrix, paddings and margins for later objects.
+	/// Calls buildProblem(), and keeps the allowed contacts of `options` and of the scene, paddings and margins for later objects.
 	/// Pointers in `options` are not used after this call. @throws Error
 	World( const RobotModel& robot, const ProblemOptions& options );
 	~World();

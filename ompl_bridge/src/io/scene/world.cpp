@@ -81,6 +81,10 @@ World::State::State( const RobotModel& robot, const ProblemOptions& options )
     : file( options.scene != nullptr ? options.scene->file : robot.urdf_file ), allowed( options.scene ),
       margins( options.margins )
 {
+	for ( const auto& [a, b] : options.allowed )
+	{
+		allowed.set( a, b, true );
+	}
 	auto built = std::make_shared<Problem>( buildProblem( robot, options ) );
 	if ( !built->scene )
 	{
