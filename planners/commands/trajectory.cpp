@@ -2,6 +2,7 @@
 // leeway audit --trajectory, --steps: timed trajectories, proved as a controller drives them, in a world that changes in between.
 #include "leeway/motions/corridor.hpp"
 #include "leeway/motions/motion_files.hpp"
+#include "leeway/motions/path_constraints.hpp"
 #include "leeway/motions/stage.hpp"
 #include "motions/report.hpp"
 #include "commands/certificate_file.hpp"
@@ -181,18 +182,68 @@ private:
 	std::string m_changes;         ///< of the world since the last trajectory
 };
 
-Json reportOf(
-    const AuditOptions& options, const Input& input, const std::string& group, const Driver& driver, const Notices& notices )
+Json reportOf( const AuditOptions& options, const Input& input, const std::string& group, const Driver& driver,
+    const Notices& notices, const Json& constraints )
 {
 	Json json;
 	json[options.steps.empty() ? "trajectory" : "steps_file"] = options.steps.empty() ? options.trajectory : options.steps;
 	json["robot"] = input.robot.name;
 	json["group"] = group;
-	json["audit"] = toJson( driver.whole() );
+	json["audit"] = motions::toJson( driver.whole() );
+	if ( !constraints.empty() )
+	{
+		json["path_constraints"] = constraints;
+	}
 	json["notices"] = notices.all();
 	if ( !options.steps.empty() )
 	{
 		json["steps"] = driver.steps;
+	}
+	return json;
+}
+
+/// The request's constraints along the path, of all chapters.
+std::vector<ConstraintProof> proveConstraints( const io::PathConstraints& path, const Driver& driver )
+{
+	std::vector<ConstraintProof> all;
+	for ( const Chapter& chapter : driver.chapters )
+	{
+		const std::vector<ConstraintProof> proofs =
+		    motions::proveConstraints( *chapter.problem, path, chapter.segments, chapter.tolerance );
+		all.insert( all.end(), proofs.begin(), proofs.end() );
+	}
+	return all;
+}
+
+std::string describe( const std::vector<ConstraintProof>& proofs )
+{
+	std::string text;
+	for ( const ConstraintProof& proof : proofs )
+	{
+		text += motions::describe( proof );
+	}
+	return text;
+}
+
+bool areKept( const std::vector<ConstraintProof>& proofs )
+{
+	return std::all_of(
+	    proofs.begin(), proofs.end(), []( const ConstraintProof& proof ) { return proof.verdict == LW_VERDICT_FREE; } );
+}
+
+Json toJson( const std::vector<ConstraintProof>& proofs )
+{
+	Json json = Json::array();
+	for ( const ConstraintProof& proof : proofs )
+	{
+		json.push_back( { { "constraint", proof.element }, { "verdict", lw_verdict_name( proof.verdict ) } } );
+		if ( proof.verdict != LW_VERDICT_FREE )
+		{
+			json.back()["time"] = proof.time;
+			json.back()["error"] = proof.error;
+			json.back()["value"] = proof.value;
+			json.back()["excess"] = proof.excess;
+		}
 	}
 	return json;
 }
@@ -283,7 +334,8 @@ int runTrajectoryAudit( const AuditOptions& options )
 	OutputFile corridor_file( "--corridor", options.corridor );
 	CertificateFile certificate( options.certificate );
 	ViewFile view( options.view );
-	const Input input = loadInput( options.common, notices );
+	io::PathConstraints path;
+	const Input input = loadInput( options.common, notices, &path );
 	noteUnknownLimits( settings.limits, options.joint_limits, input.robot, settings.limits.notices );
 	notices.add( "joint limits of the file", settings.limits.notices );
 	settings.edge.min_d = options.common.min_d;
@@ -315,10 +367,12 @@ int runTrajectoryAudit( const AuditOptions& options )
 			driver.drive( file );
 		}
 	}
+	const std::vector<ConstraintProof> constraints = proveConstraints( path, driver );
+	std::string told = describe( constraints );
 	std::vector<OutputFile*> out;
 	if ( !options.report.empty() )
 	{
-		report.text = jsonText( reportOf( options, input, group, driver, notices ) );
+		report.text = jsonText( reportOf( options, input, group, driver, notices, toJson( constraints ) ) );
 		out.push_back( &report );
 	}
 	if ( !options.profile.empty() )
@@ -326,10 +380,9 @@ int runTrajectoryAudit( const AuditOptions& options )
 		profile_file.text = driver.profile;
 		out.push_back( &profile_file );
 	}
-	std::string told;
 	if ( !options.corridor.empty() && driver.whole().valid() )
 	{
-		told = writeCorridor( options, files, driver, settings.edge, corridor_file );
+		told += writeCorridor( options, files, driver, settings.edge, corridor_file );
 		out.push_back( &corridor_file );
 	}
 	const bool is_certified =
@@ -339,8 +392,9 @@ int runTrajectoryAudit( const AuditOptions& options )
 		view.write( pagesOf( options, input, driver, settings.edge ), out );
 	}
 	commitTogether( out );
-	printOut( ( options.steps.empty() ? "" : driver.told ) + describe( driver.whole() ) + told + certificate.told() );
-	return driver.whole().valid() && is_certified ? exit_yes : exit_no;
+	printOut(
+	    ( options.steps.empty() ? "" : driver.told ) + motions::describe( driver.whole() ) + told + certificate.told() );
+	return driver.whole().valid() && areKept( constraints ) && is_certified ? exit_yes : exit_no;
 }
 
 } // namespace leeway::cli

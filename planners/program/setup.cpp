@@ -182,7 +182,7 @@ void readWorld( const CommonOptions& options, io::LoadOptions load, Input& input
 
 } // namespace
 
-Input loadInput( const CommonOptions& options, Notices& notices )
+Input loadInput( const CommonOptions& options, Notices& notices, io::PathConstraints* path )
 {
 	io::LoadOptions load;
 	checkPackagePaths( options.package_paths );
@@ -216,7 +216,8 @@ Input loadInput( const CommonOptions& options, Notices& notices )
 	input.request_file = options.request;
 	if ( !options.request.empty() )
 	{
-		input.request = io::loadRequest( options.request );
+		input.request =
+		    path != nullptr ? io::loadConstrainedRequest( options.request, *path ) : io::loadRequest( options.request );
 		notices.add( "the request", input.request->notices );
 	}
 	if ( !options.cell.empty() )

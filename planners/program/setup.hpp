@@ -2,6 +2,7 @@
 // From file names to a checker, for all subcommands.
 #pragma once
 
+#include "leeway/io/path_constraints.hpp"
 #include "leeway/io/world_model.hpp"
 #include "leeway/motions/audit.hpp"
 #include "leeway/motions/motion_files.hpp"
@@ -41,8 +42,9 @@ struct Input
 constexpr double planning_horizon = 0.25;
 
 /// Reads robot, scene and request, with progress, and passes their notices on.
+/// @param path constraints along the path of the request; null: they are an error
 /// @throws io::Error
-Input loadInput( const CommonOptions& options, Notices& notices );
+Input loadInput( const CommonOptions& options, Notices& notices, io::PathConstraints* path = nullptr );
 
 /// Reports slow builds of motion hulls and slow proofs: the stage, then its progress.
 class ReachProgress

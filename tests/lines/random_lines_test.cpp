@@ -89,7 +89,10 @@ bool denseSearchFinds( const io::RobotModel& robot, const io::Problem& problem, 
 				                  double far = 0;
 				                  for ( std::size_t v = 0; v < q.size(); ++v )
 				                  {
-					                  far = std::max( far, std::fabs( std::remainder( q[v] - before[v], 2 * M_PI ) ) );
+					                  const double way = q[v] - before[v];
+					                  const bool wraps =
+					                      lw_robot_variable( problem.robot.get(), problem.variables[v] ).wraps;
+					                  far = std::max( far, std::fabs( wraps ? std::remainder( way, 2 * M_PI ) : way ) );
 				                  }
 				                  return far < near;
 			                  } );

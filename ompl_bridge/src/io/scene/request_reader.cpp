@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Motion plan requests (moveit_msgs/MotionPlanRequest in YAML): start state, goal, group.
 #include "base/yaml.hpp"
+#include "leeway/io/path_constraints.hpp"
 #include "scene/pose_goal_reader.hpp"
 
 #include <fmt/format.h>
@@ -102,9 +103,28 @@ void readGoal( const YamlNode& root, Request& request )
 	    { "name", "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints" } );
 }
 
-} // namespace
+PathConstraints readPathConstraints( const YamlNode& constraints )
+{
+	refuseConstraints( constraints, { "visibility_constraints" },
+	    "give joint_constraints, position_constraints or orientation_constraints" );
+	PathConstraints path;
+	path.joints = readJointGoals( constraints["joint_constraints"] );
+	YamlNode positions = constraints["position_constraints"], orientations = constraints["orientation_constraints"];
+	for ( std::size_t i = 0; i < positions.size(); ++i )
+	{
+		path.positions.push_back( detail::readPositionGoal( positions[i] ) );
+	}
+	for ( std::size_t i = 0; i < orientations.size(); ++i )
+	{
+		path.orientations.push_back( detail::readOrientationGoal( orientations[i] ) );
+	}
+	constraints.noticeUnknownKeys(
+	    { "name", "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints" } );
+	return path;
+}
 
-Request loadRequest( const std::string& file )
+/// @param path null: constraints along the path are an error
+Request readRequest( const std::string& file, PathConstraints* path )
 {
 	Request request;
 	request.file = file;
@@ -146,12 +166,32 @@ Request loadRequest( const std::string& file )
 	start.noticeUnknownKeys( { "joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff" } );
 	start.noticeUnused( { "is_diff" }, "joints that are not named stand at zero" );
 	request.start = detail::readJointState( start );
-	refuseConstraints( root["path_constraints"],
-	    { "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints" },
-	    "remove it from path_constraints: paths are planned without constraints" );
+	if ( path != nullptr )
+	{
+		*path = readPathConstraints( root["path_constraints"] );
+		path->file = file;
+	}
+	else
+	{
+		refuseConstraints( root["path_constraints"],
+		    { "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints" },
+		    "remove it from path_constraints: paths are planned without constraints" );
+	}
 	refuseConstraints( root["trajectory_constraints"], { "constraints" }, "remove it from trajectory_constraints" );
 	readGoal( root, request );
 	return request;
+}
+
+} // namespace
+
+Request loadRequest( const std::string& file )
+{
+	return readRequest( file, nullptr );
+}
+
+Request loadConstrainedRequest( const std::string& file, PathConstraints& path )
+{
+	return readRequest( file, &path );
 }
 
 } // namespace leeway::io
