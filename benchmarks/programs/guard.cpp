@@ -202,6 +202,19 @@ bool isRefuted( const EdgeWorld& world, const lw_scene* scene, const std::vector
 	    } );
 }
 
+/// Microseconds of FCL at as many states of each piece.
+double byFcl( FclPeer& fcl, const std::vector<Motion>& pieces, const std::vector<std::uint32_t>& states )
+{
+	return microseconds(
+	    [&]
+	    {
+		    for ( std::size_t k = 0; k < pieces.size(); ++k )
+		    {
+			    fcl.isFreeAtStates( pieces[k].from, pieces[k].to, states[k] );
+		    }
+	    } );
+}
+
 struct Times
 {
 	std::map<std::string, std::vector<double>> of;
@@ -358,14 +371,7 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 			if ( seems_free )
 			{
 				FclPeer fcl( full, models, world.allowed );
-				times.of["FCL at those, if free"].push_back( microseconds(
-				    [&]
-				    {
-					    for ( std::size_t k = 0; k < rest.size(); ++k )
-					    {
-						    fcl.isFreeAtStates( rest[k].from, rest[k].to, states[k] );
-					    }
-				    } ) );
+				times.of["FCL at those, if free"].push_back( byFcl( fcl, rest, states ) );
 			}
 		}
 	}

@@ -250,6 +250,10 @@ private:
 					    6 * std::fabs( p[( k + 2 ) * count] - 2 * p[( k + 1 ) * count] + p[k * count] ) / ( width * width );
 					seconds = std::max( seconds, std::sqrt( change / m_settings.limits.acceleration[v] ) );
 				}
+				// Inside of a piece: from one to the next the acceleration jumps
+				const double third =
+				    6 * std::fabs( p[3 * count] - 3 * p[2 * count] + 3 * p[count] - p[0] ) / std::pow( width, 3 );
+				seconds = std::max( seconds, std::cbrt( third / m_settings.limits.mostJerk( v ) ) );
 			}
 		}
 		return ( static_cast<std::int64_t>( std::ceil( seconds * ( 1 + 1e-7 ) * 1e9 / most_places ) ) + 1 ) * most_places;

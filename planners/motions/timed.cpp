@@ -108,7 +108,7 @@ LineLimits limitsAlong( const State& direction, const MotionLimits& limits )
 		{
 			out.velocity = std::min( out.velocity, limits.velocity[v] / share );
 			out.acceleration = std::min( out.acceleration, limits.acceleration[v] / share );
-			out.jerk = std::min( out.jerk, limits.jerk[v] / share );
+			out.jerk = std::min( out.jerk, limits.mostJerk( v ) / share );
 		}
 	}
 	return out;
@@ -198,7 +198,8 @@ private:
 			const double turn = std::abs( out.direction[v] - in.direction[v] );
 			if ( turn > 0 )
 			{
-				const double pull = share_of_limits * m_limits.acceleration[v], jerk = share_of_limits * m_limits.jerk[v];
+				const double pull = share_of_limits * m_limits.acceleration[v],
+				             jerk = share_of_limits * m_limits.mostJerk( v );
 				speed = std::min( { speed, std::sqrt( pull * cut / ( most_pull * turn ) ),
 				    std::cbrt( jerk * cut * cut / ( most_jerk * turn ) ), 2 * cut / shortest_phase } );
 			}

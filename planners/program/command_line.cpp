@@ -157,6 +157,20 @@ void addLineOptions( CLI::App& command, LineOptions& line )
 	          ->type_name( "N" ) );
 }
 
+/// Of the trajectory that `plan` writes.
+void addTimingOptions( CLI::App& command, PlanOptions& options )
+{
+	command.add_option( "--trajectory", options.trajectory, "the path, timed, proved as it is driven" )->type_name( "FILE" );
+	rare(
+	    command.add_option( "--joint-limits", options.joint_limits, "of the trajectory: velocities, accelerations, jerks" )
+	        ->type_name( "joint_limits.yaml" ) );
+	rare(
+	    command
+	        .add_option( "--path-tolerance", options.path_tolerance,
+	            "of the trajectory, radians and metres: how far it may round a corner; 0: it stops there (default: as far as is proved)" )
+	        ->type_name( "R" ) );
+}
+
 CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 {
 	CLI::App* command = app.add_subcommand( "plan", "plan a path, prove its edges, audit it" );
@@ -216,16 +230,7 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	rare( command->add_option( "--resolution", options.resolution, "metres: resolution of the audit (default 0.0001)" )
 	          ->type_name( "M" ) );
 	command->add_option( "--out", options.out, "the path; without it, standard output" )->type_name( "path.yaml" );
-	command->add_option( "--trajectory", options.trajectory, "the path, timed, proved as it is driven" )
-	    ->type_name( "FILE" );
-	rare(
-	    command->add_option( "--joint-limits", options.joint_limits, "of the trajectory: velocities, accelerations, jerks" )
-	        ->type_name( "joint_limits.yaml" ) );
-	rare(
-	    command
-	        ->add_option( "--path-tolerance", options.path_tolerance,
-	            "of the trajectory, radians and metres: how far it may round a corner; 0: it stops there (default: as far as is proved)" )
-	        ->type_name( "R" ) );
+	addTimingOptions( *command, options );
 	command->add_option( "--report", options.report, "times, counts, clearances and the audit as JSON" )
 	    ->type_name( "report.json" );
 	addCertificateOption( *command, options.certificate );

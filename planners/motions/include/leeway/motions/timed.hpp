@@ -14,9 +14,12 @@ namespace leeway::motions
 /// Limits of each variable of the group.
 struct MotionLimits
 {
-	std::vector<double> velocity, acceleration, jerk; ///< [group variables]
+	std::vector<double> velocity, acceleration; ///< [group variables]
+	std::vector<double> jerk;                   ///< [group variables]; empty: none
 	std::vector<std::string> usual;      ///< variables without a limit of the acceleration, which keep default_acceleration
 	std::vector<std::string> usual_jerk; ///< variables without a limit of the jerk, which keep default_jerk
+
+	double mostJerk( std::size_t variable ) const { return jerk.empty() ? HUGE_VAL : jerk[variable]; }
 };
 
 /// rad/s^2 or m/s^2 of joints that no file limits, as MoveIt has it.
