@@ -89,10 +89,10 @@ bool denseSearchFinds( const io::RobotModel& robot, const io::Problem& problem, 
 				                  double far = 0;
 				                  for ( std::size_t v = 0; v < q.size(); ++v )
 				                  {
-					                  const double way = q[v] - before[v];
+					                  const double step = q[v] - before[v];
 					                  const bool wraps =
 					                      lw_robot_variable( problem.robot.get(), problem.variables[v] ).wraps;
-					                  far = std::max( far, std::fabs( wraps ? std::remainder( way, 2 * M_PI ) : way ) );
+					                  far = std::max( far, std::fabs( wraps ? std::remainder( step, 2 * M_PI ) : step ) );
 				                  }
 				                  return far < near;
 			                  } );
