@@ -54,7 +54,7 @@ static void add_block( rows* out, const lwi_block* block, const uint32_t at[3] )
 	}
 }
 
-/// Takes away what is beyond the box of the cloud.
+/// Takes away the voxels beyond the box of the cloud.
 static void keep_inside( const lw_cloud* cloud, const int32_t corner[3], rows* out )
 {
 	uint32_t inside = 0;

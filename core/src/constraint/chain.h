@@ -60,7 +60,7 @@ void lwi_chain_fill( lwi_chain* chain, const lwi_checker_base* base, uint32_t ba
 /// @return false for a zero quaternion
 bool lwi_chain_pose( const lwi_chain* chain, const double* values, lw_transform* out, double* arms );
 
-/// What a window of a motion does to the variables of a chain.
+/// Motion of the variables of a chain in a window.
 typedef struct lwi_chain_variables
 {
 	const lwi_rates* rates;  ///< [variable_count]

@@ -231,7 +231,7 @@ static void free_wide_limits( lw_region_def* d )
 	}
 }
 
-/// What is derived from the def.
+/// Parts that follow from the def.
 static void prepare( lw_region* r )
 {
 	lw_region_def* d = &r->def;

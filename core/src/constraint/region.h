@@ -36,7 +36,7 @@ typedef struct lwi_window_variable
 	double error; ///< of each point
 } lwi_window_variable;
 
-/// Who moves a variable: a track, the number in it, and the piece of the part of the motion that is proved.
+/// The mover of a variable: a track, the number in it, and the piece of the part of the motion that is proved.
 typedef struct lwi_variable_source
 {
 	const lw_track* track; ///< NULL: it rests

@@ -24,7 +24,7 @@ typedef struct timed
 
 // ---- tracks ----------------------------------------------------------------------------------------------------------
 
-/// Who moves the chain's variables. @return false if one of them spreads
+/// The movers of the chain's variables. @return false if one of them spreads
 static bool find_sources( lw_region* r, const lw_clock* clock, const lw_track* timing )
 {
 	bool usable = true;
