@@ -133,8 +133,8 @@ def test_what_an_audit_leaves_out_is_not_told(program, standing, tmp_path):
     trajectory["points"][0]["effort"] = [1, 2, 3, 4]
     file.write_text(json.dumps(trajectory))
     limits.write_text("joint_limits:\n  yaww: {has_velocity_limits: true, max_velocity: 1}\n"
-                      "  yaw: {has_velocity_limits: false, max_velocity: 2, max_effort: 3}\n")
-    parts = ("first point comes after 0.5 s", "effort", "joint_limits.yaww", "max_effort", "max_velocity")
+                      "  yaw: {has_velocity_limits: false, max_velocity: 2, max_position: 3}\n")
+    parts = ("first point comes after 0.5 s", "effort", "joint_limits.yaww", "max_position", "max_velocity")
     told_of(standing.audit_trajectory(file, joint_limits=limits), *parts)
     lines = " ".join(program("audit", [*SCENE, "--trajectory", file, "--joint-limits", limits])["notices"])
     assert all(part in lines for part in parts)
