@@ -123,7 +123,9 @@ TEST_F( WorldTest, AContactThatOptionsAllowIsForgottenByAChange )
 	lw_transform away = at_hand;
 	away.t[0] = 5;
 	world.move( "jar", away );
-	const Checker later = world.add( "later", objects.objects.front().shapes, at_hand );
+	std::vector<PlacedShape> shapes = objects.objects.front().shapes;
+	shapes.front().pose = at( 0, 0, 0.05 );
+	const Checker later = world.add( "later", shapes, at_hand );
 	EXPECT_GT( clearance( later ), 0 );
 	EXPECT_EQ( clearance( world.allow( "hand", "later", false ) ), 0 );
 }
