@@ -251,12 +251,16 @@ motions::JointLimits limitsOf( const nb::object& given )
 		{
 			const auto what = nb::cast<std::string>( key );
 			const double number = nb::cast<double>( value );
-			if ( ( what != "max_velocity" && what != "max_acceleration" && what != "max_jerk" ) || !( number > 0 && std::isfinite( number ) ) )
+			if ( ( what != "max_velocity" && what != "max_acceleration" && what != "max_jerk" ) ||
+			     !( number > 0 && std::isfinite( number ) ) )
 			{
 				throw nb::value_error(
-				    ( "joint_limits: " + name + ": give max_velocity, max_acceleration and max_jerk, numbers above 0" ).c_str() );
+				    ( "joint_limits: " + name + ": give max_velocity, max_acceleration and max_jerk, numbers above 0" )
+				        .c_str() );
 			}
-			( what == "max_velocity" ? limits.velocity : what == "max_jerk" ? limits.jerk : limits.acceleration )[name] = number;
+			( what == "max_velocity" ? limits.velocity
+			    : what == "max_jerk" ? limits.jerk
+			                         : limits.acceleration )[name] = number;
 		}
 	}
 	return limits;
@@ -327,8 +331,7 @@ nb::object timedPath( const PyChecker& checker, const Doubles& path, const nb::o
 		std::copy( point.velocities.begin(), point.velocities.end(), velocities.data + i * rows.width );
 		std::copy( point.accelerations.begin(), point.accelerations.end(), accelerations.data + i * rows.width );
 	}
-	return result(
-	    "Timed", nb::make_tuple( times.object, positions.object, velocities.object, accelerations.object ) );
+	return result( "Timed", nb::make_tuple( times.object, positions.object, velocities.object, accelerations.object ) );
 }
 
 nb::object analysePairs( const PyRobot& robot, double seconds, const Whole& samples, const Whole& seed,
