@@ -27,7 +27,7 @@ constexpr double default_acceleration = 1;
 /// Per second, times the limit of the acceleration: in a tenth of a second it is reached.
 constexpr double default_jerk = 10;
 
-/// Those of `limits`, else of the robot (acceleration and jerk of a <limit> are URDF 1.2), else the defaults.
+/// Those of `limits`, else of the robot (its acceleration and jerk are of URDF 1.2), else the defaults.
 /// @throws io::Error for a joint without a velocity limit, and for floating joints
 MotionLimits motionLimits( const io::Problem& problem, const io::RobotModel& robot, const JointLimits& limits );
 
