@@ -389,3 +389,22 @@ void addGeneratedProblems( EdgeWorlds& worlds, const ZooRobot& robot, const std:
 		}
 	}
 }
+
+void addUntuned( Subjects& subjects, const std::string& zoo, const std::string& prefix, std::size_t random_robots,
+    std::uint64_t seed, const std::string& folder )
+{
+	if ( !zoo.empty() )
+	{
+		const std::string robots = robotsOfZoo( zoo );
+		for ( const ZooRobot& robot : zooRobots() )
+		{
+			subjects.emplace_back( prefix + robot.name, [&robot, robots, seed, folder]( EdgeWorlds& worlds )
+			    { addGeneratedProblems( worlds, robot, robots, 1, seed, folder ); } );
+		}
+	}
+	for ( std::size_t i = 0; i < random_robots; ++i )
+	{
+		subjects.emplace_back(
+		    "random " + std::to_string( i + 1 ), [own = seed + i]( EdgeWorlds& worlds ) { worlds.addRandom( own, 1 ); } );
+	}
+}

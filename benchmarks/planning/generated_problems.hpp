@@ -9,7 +9,9 @@
 #include "support/edge_worlds.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 struct ZooRobot
@@ -29,4 +31,12 @@ std::string robotsOfZoo( const std::string& zoo );
 /// Adds `count` problems of each kind of scene; their sets are named "table_ur5". Equal seeds give equal problems.
 /// @param folder the SRDF, scenes and requests are written there: leeway plan reads them
 void addGeneratedProblems( EdgeWorlds& worlds, const ZooRobot& robot, const std::string& robots, int count,
+    std::uint64_t seed, const std::string& folder );
+
+/// Worlds by the name of their robot.
+using Subjects = std::vector<std::pair<std::string, std::function<void( EdgeWorlds& )>>>;
+
+/// Robots that nothing was tuned on: those of the zoo in generated scenes, and random ones.
+/// @param zoo empty: none of it @param prefix of the names of its robots @param folder as for addGeneratedProblems()
+void addUntuned( Subjects& subjects, const std::string& zoo, const std::string& prefix, std::size_t random_robots,
     std::uint64_t seed, const std::string& folder );

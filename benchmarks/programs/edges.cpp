@@ -305,9 +305,6 @@ private:
 	std::size_t m_refuted = 0, m_contradicted = 0;
 };
 
-/// Robots and groups by name, each with a function that adds its worlds.
-using Subjects = std::vector<std::pair<std::string, std::function<void( EdgeWorlds& )>>>;
-
 void addData( const Settings& settings, const EdgeWorlds& worlds, Subjects& subjects )
 {
 	if ( std::filesystem::exists( settings.data + "/armar3" ) )
@@ -329,25 +326,6 @@ void addData( const Settings& settings, const EdgeWorlds& worlds, Subjects& subj
 	}
 }
 
-/// Robots that nothing was tuned on: those of the zoo in generated scenes, and random ones.
-void addOthers( const Settings& settings, const std::string& folder, Subjects& subjects )
-{
-	if ( !settings.zoo.empty() )
-	{
-		const std::string robots = robotsOfZoo( settings.zoo );
-		for ( const ZooRobot& robot : zooRobots() )
-		{
-			subjects.emplace_back( "zoo " + robot.name, [&settings, &robot, robots, folder]( EdgeWorlds& w )
-			    { addGeneratedProblems( w, robot, robots, 1, settings.seed, folder ); } );
-		}
-	}
-	for ( std::size_t i = 0; i < settings.random_robots; ++i )
-	{
-		const std::uint64_t seed = settings.seed + i;
-		subjects.emplace_back( "random " + std::to_string( i + 1 ), [seed]( EdgeWorlds& w ) { w.addRandom( seed, 1 ); } );
-	}
-}
-
 int run( const Settings& settings, Result& result )
 {
 	lw_reach_def reach = lw_reach_def_default();
@@ -355,7 +333,7 @@ int run( const Settings& settings, Result& result )
 	const TemporaryFolder temporary;
 	Subjects subjects;
 	addData( settings, EdgeWorlds( settings.data, reach ), subjects );
-	addOthers( settings, temporary.path().string(), subjects );
+	addUntuned( subjects, settings.zoo, "zoo ", settings.random_robots, settings.seed, temporary.path().string() );
 	if ( subjects.empty() )
 	{
 		throw NoData( settings.data + ": neither armar3 nor mbm is there; give --data, --zoo or --random-robots" );

@@ -40,11 +40,6 @@ struct Settings
 	bool quick = false;
 };
 
-struct GuardReleaser
-{
-	void operator()( lw_guard* guard ) const { lw_guard_destroy( guard ); }
-};
-
 /// Of this thread on the processor: other programs on the machine would decide about the slowest hundredth.
 double threadMicroseconds()
 {
@@ -244,13 +239,11 @@ struct Histogram
 	}
 };
 
-using GuardPtr = std::unique_ptr<lw_guard, GuardReleaser>;
-
-GuardPtr makeGuard( const lw_guard_def& def )
+leeway::GuardHandle makeGuard( const lw_guard_def& def )
 {
 	lw_guard* made = nullptr;
 	leeway::require( lw_guard_create( &def, nullptr, nullptr, &made ), "lw_guard_create" );
-	return GuardPtr( made );
+	return leeway::GuardHandle( made );
 }
 
 lw_guard_def guardDef( const EdgeWorld& world, const lw_clock& clock, double end )
@@ -285,7 +278,7 @@ void cycle( const EdgeWorld& world, const Settings& settings, int cycles, Seeded
 	const double end = clock.tracks[0].pieces.back().end;
 	lw_guard_def def = guardDef( world, view, end );
 	def.window = 0.25;
-	const GuardPtr guard = makeGuard( def );
+	const leeway::GuardHandle guard = makeGuard( def );
 	constexpr int camera = 33;
 	for ( int i = 0; i < cycles; ++i )
 	{
@@ -316,7 +309,7 @@ void drive( const EdgeWorld& world, const Settings& settings, int changes, Seede
 	def.braking = 0;
 	def.deceleration = deceleration.data();
 	def.reaction = 0.02;
-	const GuardPtr guard = makeGuard( def );
+	const leeway::GuardHandle guard = makeGuard( def );
 	const leeway::Query query = leeway::makeQuery( world.with_tables.get() );
 	lw_guard_answer answer;
 	leeway::require( lw_guard_ask( guard.get(), 0, INFINITY, &answer ), "lw_guard_ask" );
@@ -410,9 +403,6 @@ void report( const std::string& name, const Histogram& histogram, Result& result
 	    { "most_us", rounded( histogram.most ) }, { "below_powers_of_two_us", counts } } );
 }
 
-/// Worlds by the name of their robot.
-using Subjects = std::vector<std::pair<std::string, std::function<void( EdgeWorlds& )>>>;
-
 Subjects subjectsOf( const Settings& settings, const std::string& folder )
 {
 	Subjects subjects = {
@@ -425,21 +415,7 @@ Subjects subjectsOf( const Settings& settings, const std::string& folder )
 		        worlds.addArmar( "right_arm", { 1, 2 } );
 	        } },
 	};
-	if ( !settings.zoo.empty() )
-	{
-		const std::string robots = robotsOfZoo( settings.zoo );
-		for ( const ZooRobot& robot : zooRobots() )
-		{
-			subjects.emplace_back( robot.name, [&settings, &robot, robots, folder]( EdgeWorlds& worlds )
-			    { addGeneratedProblems( worlds, robot, robots, 1, settings.seed, folder ); } );
-		}
-	}
-	for ( std::size_t i = 0; i < settings.random_robots; ++i )
-	{
-		const std::uint64_t seed = settings.seed + i;
-		subjects.emplace_back(
-		    "random " + std::to_string( i + 1 ), [seed]( EdgeWorlds& worlds ) { worlds.addRandom( seed, 1 ); } );
-	}
+	addUntuned( subjects, settings.zoo, "", settings.random_robots, settings.seed, folder );
 	return subjects;
 }
 

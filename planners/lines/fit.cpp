@@ -203,15 +203,9 @@ bool Fit::isClear( const Leg& leg, const Piece& piece )
 	{
 		return true;
 	}
-	const double t = r.t, u = parameter( piece.from ) + t * parameter( piece.to - piece.from );
-	const std::size_t count = m_variables.size();
-	State q( static_cast<Eigen::Index>( count ) );
-	for ( std::size_t i = 0; i < count; ++i )
-	{
-		const double* p = piece.points.data() + i;
-		q[static_cast<Eigen::Index>( i )] = ( 1 - t ) * ( 1 - t ) * ( ( 1 - t ) * p[0] + 3 * t * p[count] ) +
-		                                    t * t * ( 3 * ( 1 - t ) * p[2 * count] + t * p[3 * count] );
-	}
+	const double u = parameter( piece.from ) + r.t * parameter( piece.to - piece.from );
+	const std::vector<double> there = motions::stateAt( { { 0, 1, 3, piece.points } }, r.t );
+	const State q = Eigen::Map<const State>( there.data(), static_cast<Eigen::Index>( there.size() ) );
 	fail( leg, r.verdict == LW_VERDICT_BLOCKED ? Obstacle::COLLISION : Obstacle::UNDECIDED, fractionAt( u ), q, SIZE_MAX );
 	m_stop.self = r.self;
 	m_stop.pair = r.self ? motions::nameSelf( m_problem.checker.get(), r.pair )

@@ -7,18 +7,10 @@
 
 #include "lines/follower.hpp"
 
-#include <memory>
-
 namespace leeway::lines
 {
 
 constexpr std::uint32_t most_places = 1 << 13;
-
-struct RegionDeleter
-{
-	void operator()( lw_region* region ) const { lw_region_destroy( region ); }
-};
-using Region = std::unique_ptr<lw_region, RegionDeleter>;
 
 /// A part of the way, for all attempts.
 struct Leg

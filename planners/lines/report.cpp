@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace leeway::lines
 {
 namespace
@@ -48,7 +50,7 @@ std::string describe( const io::Problem& problem, const Result& result )
 		text = fmt::format( "line: {} part(s), {} cubics, {:.3f} s, at attempt {}\n", result.parts.size(),
 		    result.segments.size(), last.begin + last.seconds, result.attempts );
 		text += fmt::format( "proved at all times: each coordinate within {:.4f} mm, the angle within {:.4f} degrees\n",
-		    1000 * result.position_error, result.angle_error * 180 / 3.14159265358979 );
+		    1000 * result.position_error, result.angle_error * 180 / M_PI );
 		return text;
 	}
 	const Stop& stop = result.stop;

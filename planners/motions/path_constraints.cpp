@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 namespace leeway::motions
 {
@@ -15,12 +14,6 @@ namespace
 
 constexpr int most_halvings = 30;
 constexpr double rounding = 0x1p-44; // of the largest control point, by halving
-
-struct RegionDeleter
-{
-	void operator()( lw_region* region ) const { lw_region_destroy( region ); }
-};
-using Region = std::unique_ptr<lw_region, RegionDeleter>;
 
 /// Frames of a constraint, in a region without limits.
 lw_region_def defOf( const io::Problem& problem, const io::PathConstraints& path, const std::string& link,

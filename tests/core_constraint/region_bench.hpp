@@ -5,13 +5,7 @@
 #include "clock_world.hpp"
 #include "leeway/constraint.h"
 
-#include <memory>
-
-struct RegionReleaser
-{
-	void operator()( lw_region* region ) const { lw_region_destroy( region ); }
-};
-using RegionPtr = std::unique_ptr<lw_region, RegionReleaser>;
+using RegionPtr = leeway::Region;
 
 struct RegionBench
 {

@@ -7,11 +7,7 @@
 
 #include <memory>
 
-struct GuardReleaser
-{
-	void operator()( lw_guard* guard ) const { lw_guard_destroy( guard ); }
-};
-using GuardPtr = std::unique_ptr<lw_guard, GuardReleaser>;
+using GuardPtr = leeway::GuardHandle;
 
 inline lw_guard_def guardOf( const lw_checker* checker, double end )
 {

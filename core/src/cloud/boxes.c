@@ -328,9 +328,8 @@ static void grow( const cells* grid, const uint32_t low[3], uint32_t high[3] )
 	}
 }
 
-/// Cells of an edge in voxels, from a voxel on, as boxes within the cloud's box. Empties the grid.
-static lw_status boxes_of( const lw_cloud* cloud, cells* grid, const int32_t corner[3], int32_t edge, lw_diag* diag,
-	lw_shape** out )
+/// Cells of chunks as boxes within the cloud's box. Empties the grid.
+static lw_status boxes_of( const lw_cloud* cloud, cells* grid, lw_diag* diag, lw_shape** out )
 {
 	lwi_array boxes = { 0 };
 	bool kept = true;
@@ -352,7 +351,7 @@ static lw_status boxes_of( const lw_cloud* cloud, cells* grid, const int32_t cor
 				empty( grid, low, high );
 				for ( int k = 0; k < 3; ++k )
 				{
-					const int32_t a = corner[k] + (int32_t)low[k] * edge, b = corner[k] + (int32_t)high[k] * edge;
+					const int32_t a = (int32_t)low[k] * LWI_CHUNK_EDGE, b = (int32_t)high[k] * LWI_CHUNK_EDGE;
 					box[k] = lwi_voxel_low( cloud, k, a > cloud->low[k] ? a : cloud->low[k] );
 					box[k + 3] = lwi_voxel_low( cloud, k, b < cloud->high[k] ? b : cloud->high[k] );
 				}
@@ -382,8 +381,7 @@ lw_status lwi_far_unseen_shape( const lw_cloud* cloud, lw_diag* diag, lw_shape**
 	{
 		grid.at[i] = cloud->table[i] == LWI_ALL_UNSEEN;
 	}
-	const int32_t corner[3] = { 0, 0, 0 };
-	const lw_status status = boxes_of( cloud, &grid, corner, LWI_CHUNK_EDGE, diag, out );
+	const lw_status status = boxes_of( cloud, &grid, diag, out );
 	lwi_free( &cloud->allocator, grid.at, places );
 	return status;
 }

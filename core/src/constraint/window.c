@@ -81,7 +81,7 @@ void lwi_window_take( lw_region* region )
 
 // ---- functions between their values ----------------------------------------------------------------------------------
 
-/// How far functions with bounded derivatives are from what is known of them, roundings included.
+/// Distances of a function with bounded derivatives from its nearest value, its broken line and its cubic, roundings included.
 typedef struct remainders
 {
 	double nearest, lines, cubic;

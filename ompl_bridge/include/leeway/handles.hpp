@@ -74,12 +74,16 @@ using Scene = Ref<lw_scene, lw_scene_retain, lw_scene_release>;
 using Checker = Ref<lw_checker, lw_checker_retain, lw_checker_release>;
 using Reach = Ref<lw_reach, lw_reach_retain, lw_reach_release>;
 
-struct QueryDeleter
+struct Deleter
 {
 	void operator()( lw_query* query ) const { lw_query_destroy( query ); }
+	void operator()( lw_region* region ) const { lw_region_destroy( region ); }
+	void operator()( lw_guard* guard ) const { lw_guard_destroy( guard ); }
 };
 /// Working memory of one thread.
-using Query = std::unique_ptr<lw_query, QueryDeleter>;
+using Query = std::unique_ptr<lw_query, Deleter>;
+using Region = std::unique_ptr<lw_region, Deleter>;
+using GuardHandle = std::unique_ptr<lw_guard, Deleter>;
 
 /// A query for this checker (and its scene).
 inline Query makeQuery( const lw_checker* checker, const lw_query_def& def = lw_query_def_default() )

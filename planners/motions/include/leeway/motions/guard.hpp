@@ -60,13 +60,9 @@ public:
 
 private:
 	void make( const io::Problem& problem, const lw_clock& clock, const GuardSettings& settings );
-	struct Releaser
-	{
-		void operator()( lw_guard* guard ) const { lw_guard_destroy( guard ); }
-	};
 	std::string m_file; ///< for errors
 	double m_end;
-	std::unique_ptr<lw_guard, Releaser> m_guard;
+	GuardHandle m_guard;
 };
 
 } // namespace leeway::motions
