@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway plan --line: a frame goes along lines and arcs.
 #include "leeway/lines/lines.hpp"
+#include "commands/limits_file.hpp"
 #include "motions/csv.hpp"
 #include "motions/json.hpp"
 #include "program/ends.hpp"
@@ -18,21 +19,10 @@ namespace
 	throw io::Error( "command line", option, problem, remedy );
 }
 
-/// Numbers with commas between them, as many as one of two counts.
+/// As many numbers as one of two counts.
 std::vector<double> numbersOf( const std::string& option, const std::string& text, std::size_t few, std::size_t many )
 {
-	std::vector<double> numbers;
-	for ( std::size_t from = 0; from <= text.size(); )
-	{
-		const std::size_t comma = std::min( text.find( ',', from ), text.size() );
-		const std::optional<double> value = finiteNumber( trimmed( text.substr( from, comma - from ) ) );
-		if ( !value )
-		{
-			wrong( option, fmt::format( "'{}' is not a finite number", text.substr( from, comma - from ) ), "give numbers" );
-		}
-		numbers.push_back( *value );
-		from = comma + 1;
-	}
+	std::vector<double> numbers = cli::numbersOf( option, text, "give numbers" );
 	if ( numbers.size() != few && numbers.size() != many )
 	{
 		wrong( option, fmt::format( "has {} numbers", numbers.size() ),
@@ -43,15 +33,10 @@ std::vector<double> numbersOf( const std::string& option, const std::string& tex
 
 lw_transform poseOf( const std::string& option, const std::vector<double>& numbers )
 {
-	const double none[] = { 0, 0, 0, 1 };
-	const double* const turn = numbers.size() > 3 ? &numbers[3] : none;
-	const double length = std::hypot( std::hypot( turn[0], turn[1] ), std::hypot( turn[2], turn[3] ) );
+	const std::array<double, 4> none = { 0, 0, 0, 1 };
+	const std::array<double, 4> turn = numbers.size() > 3 ? unitQuaternion( option, &numbers[3] ) : none;
 	lw_transform pose;
-	if ( !( std::fabs( length - 1 ) <= 0.01 ) || lw_transform_from_quaternion( numbers.data(), turn, &pose ) != LW_OK )
-	{
-		wrong( option, fmt::format( "the quaternion has length {:.4g}, not 1", length ),
-		    "give QX,QY,QZ,QW of length 1; 0,0,0,1 turns nothing" );
-	}
+	require( lw_transform_from_quaternion( numbers.data(), turn.data(), &pose ), option.c_str() );
 	return pose;
 }
 
@@ -184,15 +169,10 @@ int runLine( const PlanOptions& options )
 {
 	refuseOthers( options );
 	Notices notices( options.common.verbose );
-	JointLimits limits;
-	if ( !options.joint_limits.empty() )
-	{
-		limits = readJointLimits( options.joint_limits );
-		readsFile( "--joint-limits", options.joint_limits );
-	}
+	JointLimits limits = limitsOfFile( options.joint_limits );
 	OutputFile timed( "--trajectory", options.trajectory ), report( "--report", options.report );
 	Input input = loadInput( options.common, notices );
-	notices.add( "joint limits of the file", limits.notices );
+	note( limits, options.joint_limits, input.robot, notices );
 	input.max_d = options.common.min_d + planning_horizon;
 	const PlanEnds ends = readEnds( options, input );
 	const Workbench bench( input, ends.group, {}, notices );
@@ -209,6 +189,7 @@ int runLine( const PlanOptions& options )
 	settings.edge.flags = options.common.checkFlags();
 	settings.edge.slack = options.edge.slack;
 	settings.limits = motionLimits( problem, input.robot, limits );
+	noteUsual( settings.limits, notices );
 	settings.seed = options.seed;
 	settings.attempts = options.line.attempts;
 	const lines::Task task = taskOf( options.line, problem );

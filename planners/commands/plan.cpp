@@ -4,6 +4,7 @@
 #include "commands/plan_solution.hpp"
 #include "motions/names.hpp"
 #include "commands/certificate_file.hpp"
+#include "commands/limits_file.hpp"
 #include "program/ends.hpp"
 
 #include "leeway/motions/timed.hpp"
@@ -629,23 +630,6 @@ TrajectorySettings trajectorySettings( const PlanOptions& options, const JointLi
 	return settings;
 }
 
-/// Names the joints that keep an acceleration that nobody has given.
-void noteUsual( const MotionLimits& limits, Notices& notices )
-{
-	if ( !limits.usual.empty() )
-	{
-		notices.add( "accelerations",
-		    fmt::format( "no acceleration limit of {}: {:g} (rad/s^2 or m/s^2) is kept; --joint-limits sets others",
-		        listed( limits.usual ), default_acceleration ) );
-	}
-	if ( !limits.usual_jerk.empty() )
-	{
-		notices.add( "jerks", fmt::format( "no jerk limit of {}: {:g} times that of the acceleration, per second, is kept; "
-		                                   "--joint-limits sets others",
-		                          listed( limits.usual_jerk ), default_jerk ) );
-	}
-}
-
 /// The trajectory along the path, proved as it is driven.
 TrajectoryAudit writeTrajectory( const Input& input, const Workbench& bench, const Solution& solution,
     const MotionLimits& motion, const TrajectorySettings& settings, double path_tolerance, OutputFile& file )
@@ -720,19 +704,13 @@ int runPlan( const PlanOptions& options )
 {
 	Notices notices( options.common.verbose );
 	planners::requireThreads( planners::findPlanner( plannersOf( options ).front() ), options.threads );
-	JointLimits limits;
-	if ( !options.joint_limits.empty() )
-	{
-		limits = readJointLimits( options.joint_limits );
-		readsFile( "--joint-limits", options.joint_limits );
-	}
+	JointLimits limits = limitsOfFile( options.joint_limits );
 	OutputFile out( "--out", options.out ), report( "--report", options.report ),
 	    timed( "--trajectory", options.trajectory );
 	CertificateFile certificate( options.certificate );
 	ViewFile view( options.view );
 	Input input = loadInput( options.common, notices );
-	noteUnknownLimits( limits, options.joint_limits, input.robot, limits.notices );
-	notices.add( "joint limits of the file", limits.notices );
+	note( limits, options.joint_limits, input.robot, notices );
 	input.max_d = options.common.min_d + planning_horizon;
 	const std::optional<io::ReachOptions> tables = laterTables( input );
 	const PlanEnds ends = readEnds( options, input );

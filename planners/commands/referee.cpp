@@ -2,6 +2,7 @@
 // leeway referee: rulings on results of other planners.
 #include "leeway/motions/path_file.hpp"
 #include "commands/page_file.hpp"
+#include "commands/limits_file.hpp"
 #include "referee/judge.hpp"
 
 #include <fmt/format.h>
@@ -178,16 +179,11 @@ int runReferee( const RefereeOptions& options )
 	settings.region.seed = options.seed;
 	const Policy policy = options.policy == "collision" ? Policy::collision : Policy::proved;
 	const std::vector<Item> items = readAll( options, notices );
-	if ( !options.joint_limits.empty() )
-	{
-		settings.limits = readJointLimits( options.joint_limits );
-		readsFile( "--joint-limits", options.joint_limits );
-	}
+	settings.limits = limitsOfFile( options.joint_limits );
 	OutputFile json_file( "--json", options.json ), junit_file( "--junit", options.junit );
 	ViewFile view( options.view );
 	const Input input = loadInput( options.common, notices );
-	noteUnknownLimits( settings.limits, options.joint_limits, input.robot, settings.limits.notices );
-	notices.add( "joint limits of the file", settings.limits.notices );
+	note( settings.limits, options.joint_limits, input.robot, notices );
 	settings.start = input.request ? input.request->start.values : Values();
 	Benches benches( options, input, notices );
 	std::vector<Judged> all;

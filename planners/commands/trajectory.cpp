@@ -6,6 +6,7 @@
 #include "leeway/motions/stage.hpp"
 #include "motions/report.hpp"
 #include "commands/certificate_file.hpp"
+#include "commands/limits_file.hpp"
 #include "commands/page_file.hpp"
 
 #include <fmt/format.h>
@@ -325,19 +326,14 @@ int runTrajectoryAudit( const AuditOptions& options )
 	const std::vector<Act> acts = readActs( options );
 	TrajectorySettings settings;
 	settings.interpolation = interpolationOf( options.interpolation );
-	if ( !options.joint_limits.empty() )
-	{
-		settings.limits = readJointLimits( options.joint_limits );
-		readsFile( "--joint-limits", options.joint_limits );
-	}
+	settings.limits = limitsOfFile( options.joint_limits );
 	OutputFile report( "--report", options.report ), profile_file( "--profile", options.profile );
 	OutputFile corridor_file( "--corridor", options.corridor );
 	CertificateFile certificate( options.certificate );
 	ViewFile view( options.view );
 	io::PathConstraints path;
 	const Input input = loadInput( options.common, notices, &path );
-	noteUnknownLimits( settings.limits, options.joint_limits, input.robot, settings.limits.notices );
-	notices.add( "joint limits of the file", settings.limits.notices );
+	note( settings.limits, options.joint_limits, input.robot, notices );
 	settings.edge.min_d = options.common.min_d;
 	settings.edge.flags = options.common.checkFlags();
 	const std::vector<TrajectoryFile> files = filesOf( acts );

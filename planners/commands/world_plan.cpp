@@ -6,6 +6,7 @@
 #include "motions/timed_robots.hpp"
 #include "program/ends.hpp"
 #include "commands/world_cell.hpp"
+#include "commands/limits_file.hpp"
 
 #include <fmt/format.h>
 
@@ -159,13 +160,8 @@ std::string describe( const planners::SchedulePlan& plan, const std::vector<plan
 int runWorldPlan( const WorldOptions& options )
 {
 	Notices notices( options.common.verbose );
-	JointLimits limits;
-	if ( !options.joint_limits.empty() )
-	{
-		limits = readJointLimits( options.joint_limits );
-		readsFile( "--joint-limits", options.joint_limits );
-		notices.add( "joint limits of the file", limits.notices );
-	}
+	const JointLimits limits = limitsOfFile( options.joint_limits );
+	notices.add( "joint limits of the file", limits.notices );
 	const std::vector<Wanted> wanted = wantedOf( options );
 	OutputFile json_file( "--json", options.json );
 	std::set<std::string> focus;

@@ -101,6 +101,24 @@ Values startValues( const std::vector<TrajectoryFile>& files, const io::RobotMod
 	return values;
 }
 
+VariableLimits limitsOf( const JointLimits& limits, const io::RobotModel& robot, const std::string& variable )
+{
+	VariableLimits out;
+	for ( const io::JointModel& joint : robot.joints )
+	{
+		out = joint.name == variable ? VariableLimits{ joint.velocity, joint.acceleration, joint.jerk } : out;
+	}
+	const auto take = [&]( const std::map<std::string, double>& given, double& limit )
+	{
+		const auto found = given.find( variable );
+		limit = found != given.end() ? found->second : std::max( limit, 0.0 );
+	};
+	take( limits.velocity, out.velocity );
+	take( limits.acceleration, out.acceleration );
+	take( limits.jerk, out.jerk );
+	return out;
+}
+
 void noteUnknownLimits(
     const JointLimits& limits, const std::string& file, const io::RobotModel& robot, std::vector<io::Notice>& notices )
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Trajectories along paths: see timed.hpp.
 #include "leeway/motions/timed.hpp"
+#include "leeway/motions/motion_files.hpp"
 
 #include "motions/json.hpp"
 #include "motions/profile.hpp"
@@ -23,12 +24,6 @@ constexpr double share_of_edge = 0.45;
 /// How often a rounding is halved until it is proved free.
 constexpr int most_halvings = 7;
 
-double limitOf( const std::map<std::string, double>& limits, const std::string& name, double otherwise )
-{
-	const auto found = limits.find( name );
-	return found == limits.end() ? otherwise : found->second;
-}
-
 } // namespace
 
 MotionLimits motionLimits( const io::Problem& problem, const io::RobotModel& robot, const JointLimits& limits )
@@ -42,13 +37,10 @@ MotionLimits motionLimits( const io::Problem& problem, const io::RobotModel& rob
 			throw io::Error( robot.urdf_file, "joint " + name, "is part of a floating joint, whose turns no trajectory has",
 			    "choose a group without it, or ask for no trajectory" );
 		}
-		const auto joint = std::find_if(
-		    robot.joints.begin(), robot.joints.end(), [&]( const io::JointModel& one ) { return one.name == name; } );
-		const io::JointModel none{};
-		const io::JointModel& of = joint == robot.joints.end() ? none : *joint;
-		out.velocity.push_back( limitOf( limits.velocity, name, of.velocity ) );
-		out.acceleration.push_back( limitOf( limits.acceleration, name, of.acceleration ) );
-		out.jerk.push_back( limitOf( limits.jerk, name, of.jerk ) );
+		const VariableLimits most = limitsOf( limits, robot, name );
+		out.velocity.push_back( most.velocity );
+		out.acceleration.push_back( most.acceleration );
+		out.jerk.push_back( most.jerk );
 		if ( !( out.velocity.back() > 0 ) )
 		{
 			throw io::Error( robot.urdf_file, "joint " + name, "has no velocity limit",
@@ -304,42 +296,27 @@ TrajectoryFile timedPath( const io::Problem& problem, const std::vector<std::vec
 TrajectoryFile endsOf( const io::Problem& problem, const std::vector<Segment>& segments )
 {
 	const std::size_t count = problem.variable_names.size();
-	const bool quintic =
-	    std::all_of( segments.begin(), segments.end(), []( const Segment& s ) { return s.degree == 5 || s.seconds == 0; } );
 	TrajectoryFile out;
 	out.file = "the path";
 	out.joint_names = problem.variable_names;
-	// p: the last control point of a segment, or the first; before: the next two from that end
-	const auto add =
-	    [&]( const double* p, const double* before, const double* next, double seconds, double degree, double time )
+	// from, to: the outermost control points at an end
+	const auto add = [&]( const double* at, const double* from, const double* to, double seconds, double time )
 	{
 		TrajectoryPoint point;
 		point.time = time;
 		for ( std::size_t v = 0; v < count; ++v )
 		{
-			const double first = seconds != 0 ? degree * ( p[v] - before[v] ) / seconds + 0.0 : 0;
-			const double second =
-			    seconds != 0
-			        ? degree * ( degree - 1 ) * ( ( p[v] - before[v] ) - ( before[v] - next[v] ) ) / ( seconds * seconds ) +
-			              0.0
-			        : 0;
-			point.positions.push_back( p[v] );
-			point.velocities.push_back( first );
-			quintic ? point.accelerations.push_back( second ) : void();
+			point.positions.push_back( at[v] );
+			point.velocities.push_back( 3 * ( to[v] - from[v] ) / seconds + 0.0 );
 		}
 		out.points.push_back( std::move( point ) );
 	};
-	const Segment& first = segments.front();
-	const double* begin = first.points.data();
-	add( begin, begin + count, begin + std::min( 2u, first.degree ) * count, -first.seconds, first.degree, 0 );
+	const double* begin = segments.front().points.data();
+	add( begin, begin, begin + count, segments.front().seconds, 0 );
 	for ( const Segment& segment : segments )
 	{
-		const double* end = segment.points.data() + segment.degree * count;
-		if ( segment.seconds > 0 )
-		{
-			add( end, end - count, end - std::min( 2u, segment.degree ) * count, segment.seconds, segment.degree,
-			    segment.begin + segment.seconds );
-		}
+		const double* end = segment.points.data() + 3 * count;
+		add( end, end - count, end, segment.seconds, segment.begin + segment.seconds );
 	}
 	return out;
 }

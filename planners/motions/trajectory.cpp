@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Timed trajectories: see trajectory.hpp. Control points of Hermite data: core/docs/motions.md.
 #include "leeway/motions/trajectory.hpp"
+#include "leeway/motions/motion_files.hpp"
 
 #include "leeway/handles.hpp"
 #include "motions/names.hpp"
@@ -202,12 +203,6 @@ bool exceeds( const Segment& segment, const std::vector<double>& points, const s
 	return above || below;
 }
 
-double given( const std::map<std::string, double>& limits, const std::string& name, double otherwise )
-{
-	const auto found = limits.find( name );
-	return found == limits.end() ? otherwise : found->second;
-}
-
 void checkLimits( const io::Problem& problem, const io::RobotModel& robot, const std::vector<Segment>& segments,
     const JointLimits& limits, std::vector<std::string>& problems )
 {
@@ -215,24 +210,18 @@ void checkLimits( const io::Problem& problem, const io::RobotModel& robot, const
 	for ( std::size_t v = 0; v < names.size(); ++v )
 	{
 		const lw_variable_info info = lw_robot_variable( problem.robot.get(), problem.variables[v] );
-		double urdf[3] = { HUGE_VAL, HUGE_VAL, HUGE_VAL };
-		for ( const io::JointModel& joint : robot.joints )
-		{
-			const double own[3] = { joint.velocity, joint.acceleration, joint.jerk };
-			for ( int i = 0; i < 3 && joint.name == names[v]; ++i )
-			{
-				urdf[i] = own[i] > 0 ? own[i] : urdf[i];
-			}
-		}
 		const bool shift = lw_robot_joint_type( problem.robot.get(), info.joint ) == LW_JOINT_PRISMATIC;
-		const double speed = given( limits.velocity, names[v], urdf[0] );
-		const double force = given( limits.acceleration, names[v], urdf[1] );
+		const VariableLimits most = limitsOf( limits, robot, names[v] );
+		const auto within = []( double limit, const char* what, const char* unit )
+		{
+			const double bound = limit > 0 ? limit : HUGE_VAL;
+			return Limit{ -bound, bound, what, unit, 1e-6 * bound };
+		};
 		const Limit position{ info.wraps ? -HUGE_VAL : info.lower, info.wraps ? HUGE_VAL : info.upper, "position",
 		    shift ? "m" : "rad", limit_tolerance };
-		const Limit velocity{ -speed, speed, "velocity", shift ? "m/s" : "rad/s", 1e-6 * speed };
-		const double most_jerk = given( limits.jerk, names[v], urdf[2] );
-		const Limit acceleration{ -force, force, "acceleration", shift ? "m/s^2" : "rad/s^2", 1e-6 * force };
-		const Limit jerk{ -most_jerk, most_jerk, "jerk", shift ? "m/s^3" : "rad/s^3", 1e-6 * most_jerk };
+		const Limit velocity = within( most.velocity, "velocity", shift ? "m/s" : "rad/s" );
+		const Limit acceleration = within( most.acceleration, "acceleration", shift ? "m/s^2" : "rad/s^2" );
+		const Limit jerk = within( most.jerk, "jerk", shift ? "m/s^3" : "rad/s^3" );
 		bool told[4] = { false, false, false, false };
 		for ( const Segment& segment : segments )
 		{

@@ -271,19 +271,7 @@ void readGoalPose( const std::string& text, io::Request& request )
 	{
 		wrong( option, "names no link", format );
 	}
-	std::vector<double> numbers;
-	for ( std::size_t from = equals + 1; from <= text.size(); )
-	{
-		const std::size_t comma = std::min( text.find( ',', from ), text.size() );
-		const std::string part = trimmed( text.substr( from, comma - from ) );
-		const std::optional<double> value = finiteNumber( part );
-		if ( !value )
-		{
-			wrong( option, fmt::format( "'{}' is not a finite number", part ), format );
-		}
-		numbers.push_back( *value );
-		from = comma + 1;
-	}
+	const std::vector<double> numbers = numbersOf( option, text.substr( equals + 1 ), format );
 	if ( numbers.size() != 3 && numbers.size() != 7 )
 	{
 		wrong( option, fmt::format( "has {}, not 3 or 7", counted( numbers.size(), "number" ) ), format );
@@ -303,16 +291,7 @@ void readGoalPose( const std::string& text, io::Request& request )
 	orientation.link = position.link;
 	orientation.element = option;
 	orientation.tolerance.fill( turn_tolerance );
-	const double length = std::hypot( std::hypot( numbers[3], numbers[4] ), std::hypot( numbers[5], numbers[6] ) );
-	if ( !( std::fabs( length - 1 ) <= 0.01 ) )
-	{
-		wrong( option, fmt::format( "the quaternion has length {:.4g}, not 1", length ),
-		    "give QX,QY,QZ,QW of length 1; 0,0,0,1 turns nothing" );
-	}
-	for ( std::size_t i = 0; i < 4; ++i )
-	{
-		orientation.quaternion[i] = numbers[3 + i] / length;
-	}
+	orientation.quaternion = unitQuaternion( option, &numbers[3] );
 	request.goal_orientations.push_back( orientation );
 }
 
@@ -336,6 +315,35 @@ void clearGoal( io::Request& request, PlanEnds& ends, const std::string& option 
 }
 
 } // namespace
+
+std::vector<double> numbersOf( const std::string& option, const std::string& text, const std::string& remedy )
+{
+	std::vector<double> numbers;
+	for ( std::size_t from = 0; from <= text.size(); )
+	{
+		const std::size_t comma = std::min( text.find( ',', from ), text.size() );
+		const std::string part = trimmed( text.substr( from, comma - from ) );
+		const std::optional<double> value = finiteNumber( part );
+		if ( !value )
+		{
+			wrong( option, fmt::format( "'{}' is not a finite number", part ), remedy );
+		}
+		numbers.push_back( *value );
+		from = comma + 1;
+	}
+	return numbers;
+}
+
+std::array<double, 4> unitQuaternion( const std::string& option, const double* numbers )
+{
+	const double length = std::hypot( std::hypot( numbers[0], numbers[1] ), std::hypot( numbers[2], numbers[3] ) );
+	if ( !( std::fabs( length - 1 ) <= 0.01 ) )
+	{
+		wrong( option, fmt::format( "the quaternion has length {:.4g}, not 1", length ),
+		    "give QX,QY,QZ,QW of length 1; 0,0,0,1 turns nothing" );
+	}
+	return { numbers[0] / length, numbers[1] / length, numbers[2] / length, numbers[3] / length };
+}
 
 End parseEnd( const std::string& option, const std::string& text, const std::string& group, const io::RobotModel& robot,
     const std::string& prefix )

@@ -4,6 +4,7 @@
 
 #include "program/setup.hpp"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,12 @@ struct End
 /// @throws io::Error (no such state, joint or value; a joint given twice)
 End parseEnd( const std::string& option, const std::string& text, const std::string& group, const io::RobotModel& robot,
     const std::string& prefix = {} );
+
+/// Finite numbers with commas between them. @throws io::Error
+std::vector<double> numbersOf( const std::string& option, const std::string& text, const std::string& remedy );
+
+/// Four numbers x, y, z, w of about length 1, as a quaternion of length 1. @throws io::Error
+std::array<double, 4> unitQuaternion( const std::string& option, const double* numbers );
 
 /// Puts the ends of --start, --goal and --goal-pose into input.request, which may be empty before. A group_state stands for its joints' values,
 /// random for a free state by PlanOptions::seed.

@@ -314,7 +314,14 @@ nb::object timedPath( const PyChecker& checker, const Doubles& path, const nb::o
 	settings.path_tolerance = path_tolerance;
 	const std::vector<double> room = toleranceOf( checker, "path", {}, tolerance );
 	settings.edge.tolerance = room.empty() ? nullptr : room.data();
-	const motions::MotionLimits limits = motionLimits( *checker.problem, *checker.model, limitsOf( joint_limits ) );
+	const motions::JointLimits given = limitsOf( joint_limits );
+	std::vector<io::Notice> unknown; // a result of arrays has no place for it
+	motions::noteUnknownLimits( given, "joint_limits", *checker.model, unknown );
+	if ( !unknown.empty() )
+	{
+		throw nb::value_error( ( unknown.front().element + ": " + unknown.front().text ).c_str() );
+	}
+	const motions::MotionLimits limits = motionLimits( *checker.problem, *checker.model, given );
 	motions::TrajectoryFile timed;
 	{
 		const nb::gil_scoped_release unlocked;

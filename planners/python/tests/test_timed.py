@@ -36,6 +36,7 @@ def test_stops_are_as_fast_as_roundings(checker, path):
 
 def test_bad_arguments_are_taken(checker, path):
     for call in (lambda: checker.timed(path, path_tolerance=-1), lambda: checker.timed(path, path_tolerance=math.nan), lambda: checker.timed(path[:0]),
-                 lambda: checker.timed(path[:, :2]), lambda: checker.timed(path, joint_limits={"yaw": {"max_jolt": 1}})):
+                 lambda: checker.timed(path[:, :2]), lambda: checker.timed(path, joint_limits={"yaw": {"max_jolt": 1}}),
+                 lambda: checker.timed(path, joint_limits={"yaww": {"max_jerk": 1}})):
         with pytest.raises(ValueError):
             call()

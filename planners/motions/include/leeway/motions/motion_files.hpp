@@ -28,6 +28,14 @@ Values startValues(
 /// (The robot_state of a scene is not used for them: a motion must mean the same in every scene.)
 Values standing( const io::RobotModel& robot, const io::Request* request, const Values& values );
 
+/// Limits of one variable; 0: none.
+struct VariableLimits
+{
+	double velocity = 0, acceleration = 0, jerk = 0;
+};
+/// Those of a file, else of the robot.
+VariableLimits limitsOf( const JointLimits& limits, const io::RobotModel& robot, const std::string& variable );
+
 /// Tells about limits of joints that the robot cannot move: a misspelt joint keeps none. @param file of the limits
 void noteUnknownLimits(
     const JointLimits& limits, const std::string& file, const io::RobotModel& robot, std::vector<io::Notice>& notices );

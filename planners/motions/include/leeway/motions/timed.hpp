@@ -46,7 +46,7 @@ struct TimingSettings
 TrajectoryFile timedPath( const io::Problem& problem, const std::vector<std::vector<double>>& points,
     const MotionLimits& limits, const TimingSettings& settings );
 
-/// The ends of quintic or cubic segments, with velocities; with accelerations if all are quintic, so that a controller interpolates by the same degree.
+/// The ends of cubic segments that follow each other, with velocities: a controller drives the same cubics.
 TrajectoryFile endsOf( const io::Problem& problem, const std::vector<Segment>& segments );
 
 /// As a moveit_msgs/RobotTrajectory: JSON, which is YAML too.
