@@ -9,6 +9,12 @@
 
 #include <string.h>
 
+enum
+{
+	AHEAD = 4, ///< blocks
+	MANY = 32  ///< voxels of a word: worth a look at all of it
+};
+
 typedef enum judgement
 {
 	NONE, ///< no voxel of the cube can be cleared
@@ -21,11 +27,6 @@ typedef struct triple
 	float x, y, z; ///< frame of the view
 } triple;
 
-enum
-{
-	FEW = 4 ///< voxels
-};
-
 typedef struct clearer
 {
 	lw_cloud* cloud;
@@ -33,11 +34,10 @@ typedef struct clearer
 	lw_cloud_report* report;
 	uint32_t stamp;
 	float fx, fy, cx, cy;
-	float edge, margin; ///< metres
-	/// Half sizes of the boxes, along the axes of the view, around a voxel and around cubes of 2, 4, 8, 32.
-	triple voxel, byte, word, block, chunk;
-	triple words[8];                 ///< from the middle of a block to those of its words
-	float cubes[3][8], voxels[3][8]; ///< x, y and z from the middle of a word to those of its bytes, and on to their voxels
+	float edge, margin;               ///< metres
+	triple voxel, word, block, chunk; ///< half sizes of the boxes around them, along the axes of the view
+	triple words[8];                  ///< from the middle of a block to those of its words
+	float cubes[3][8], voxels[3][8];  ///< x, y and z from the middle of a word to those of its bytes, and on to their voxels
 } clearer;
 
 /// The pixels that a box covers, and the least and greatest depth that they saw.
@@ -154,9 +154,9 @@ static inline float slack( float far )
 	return 4e-6f * far;
 }
 
-/// Of a box between these depths, and its span, which nobody reads if the box is not in front of the sensor.
-static inline judgement judge_span( const clearer* c, float near, float far, const span* s )
+static judgement judge( const clearer* c, triple at, triple half )
 {
+	const float near = at.z - half.z, far = at.z + half.z;
 	if ( far <= 0 )
 	{
 		return NONE;
@@ -165,20 +165,14 @@ static inline judgement judge_span( const clearer* c, float near, float far, con
 	{
 		return SOME;
 	}
-	const window seen = look( c->view, s );
+	const span s = span_of( c, at, half, near, far );
+	const window seen = look( c->view, &s );
 	// the far side of the nearest voxel is behind `near` by the size of a voxel
 	if ( !seen.meets || seen.greatest <= near + 2 * c->voxel.z + c->margin )
 	{
 		return NONE;
 	}
 	return seen.inside && seen.least > far + c->margin + slack( far ) && far <= (float)c->view->sure_depth ? ALL : SOME;
-}
-
-static judgement judge( const clearer* c, triple at, triple half )
-{
-	const float near = at.z - half.z, far = at.z + half.z;
-	const span s = span_of( c, at, half, near, far );
-	return judge_span( c, near, far, &s );
 }
 
 /// Does the ray of a pixel go through the ball inside a voxel, and end behind it?
@@ -229,85 +223,57 @@ static inline triple moved( triple at, triple by )
 	return ( triple ){ at.x + by.x, at.y + by.y, at.z + by.z };
 }
 
-/// The voxels of a byte that are free, of those asked for. Most voxels are on a surface: the pixel in their middle is enough to keep them. All
-/// eight are projected together.
-static uint64_t free_in_byte( const clearer* c, triple middle, uint64_t asked )
+/// Voxels of a byte whose middle's pixel saw something behind them: most voxels are on a surface, and this is enough to keep them. All eight are
+/// projected together.
+static uint64_t candidates_in_byte( const clearer* c, triple middle )
 {
 	const lwi_view* view = c->view;
 	const float width = (float)view->width[0], height = (float)view->height[0];
-	float x[8], y[8], z[8], u[8], v[8], behind[8];
+	const int row = (int)view->width[0];
+	const float half = c->voxel.z, nearest = 0.5f * c->edge;
+	float behind[8];
+	int pixel[8], is_in[8];
 	for ( int k = 0; k < 8; ++k )
 	{
-		x[k] = middle.x + c->voxels[0][k];
-		y[k] = middle.y + c->voxels[1][k];
-		z[k] = middle.z + c->voxels[2][k];
-		const float by_z = 1 / z[k], far = z[k] + c->voxel.z;
-		u[k] = c->fx * x[k] * by_z + c->cx + 0.5f;
-		v[k] = c->fy * y[k] * by_z + c->cy + 0.5f;
+		const float x = middle.x + c->voxels[0][k], y = middle.y + c->voxels[1][k], z = middle.z + c->voxels[2][k];
+		const float by_z = 1 / z, far = z + half;
+		const float u = c->fx * x * by_z + c->cx + 0.5f, v = c->fy * y * by_z + c->cy + 0.5f;
+		const int in = ( z - half > nearest ) & ( u >= 0 ) & ( v >= 0 ) & ( u < width ) & ( v < height );
+		is_in[k] = in;
+		pixel[k] = (int)( in ? v : 0 ) * row + (int)( in ? u : 0 );
 		behind[k] = far + c->margin + slack( far );
 	}
-	uint64_t free = 0;
-	for ( uint64_t left = asked; left != 0; left &= left - 1 )
-	{
-		const uint32_t k = lwi_lowest( left );
-		if ( z[k] - c->voxel.z > 0.5f * c->edge && u[k] >= 0 && v[k] >= 0 && u[k] < width && v[k] < height &&
-			 view->least[0][(size_t)(int)v[k] * view->width[0] + (size_t)(int)u[k]] > behind[k] )
-		{
-			const triple at = { x[k], y[k], z[k] };
-			free |= (uint64_t)is_free( c, at, z[k] + c->voxel.z, behind[k] ) << k;
-		}
-	}
-	return free;
-}
-
-/// The eight bytes of a word.
-typedef struct bytes
-{
-	float x[8], y[8], z[8], near[8], far[8];
-	float u0[8], u1[8], v0[8], v1[8]; ///< span_of()
-} bytes;
-
-/// Projects all of them together: the same operations as span_of(), in lanes.
-static void project_bytes( const clearer* c, triple middle, bytes* out )
-{
-	const triple half = c->byte;
+	uint64_t found = 0;
 	for ( int k = 0; k < 8; ++k )
 	{
-		const float x = middle.x + c->cubes[0][k], y = middle.y + c->cubes[1][k], z = middle.z + c->cubes[2][k];
-		const float near = z - half.z, far = z + half.z, by_near = 1 / near, by_far = 1 / far;
-		const float x0 = x - half.x, x1 = x + half.x, y0 = y - half.y, y1 = y + half.y;
-		out->u0[k] = c->fx * x0 * ( x0 >= 0 ? by_far : by_near ) + c->cx;
-		out->u1[k] = c->fx * x1 * ( x1 >= 0 ? by_near : by_far ) + c->cx + 1;
-		out->v0[k] = c->fy * y0 * ( y0 >= 0 ? by_far : by_near ) + c->cy;
-		out->v1[k] = c->fy * y1 * ( y1 >= 0 ? by_near : by_far ) + c->cy + 1;
-		out->x[k] = x;
-		out->y[k] = y;
-		out->z[k] = z;
-		out->near[k] = near;
-		out->far[k] = far;
+		found |= (uint64_t)( is_in[k] & ( view->least[0][pixel[k]] > behind[k] ) ) << k;
 	}
+	return found;
 }
 
-/// The voxels of a word that are free, of those asked for: an octree of three levels. Few voxels are looked up at once.
+/// The voxels of a word that are free, of those asked for.
 static uint64_t free_bits( const clearer* c, triple middle, uint64_t asked )
 {
-	const judgement word = lwi_bits( asked ) < FEW ? SOME : judge( c, middle, c->word );
+	const judgement word = lwi_bits( asked ) < MANY ? SOME : judge( c, middle, c->word );
 	if ( word != SOME )
 	{
 		return word == ALL ? asked : 0;
 	}
 	uint64_t found = 0;
-	bytes cubes;
-	project_bytes( c, middle, &cubes );
 	for ( uint32_t i = 0; i < 8; ++i )
 	{
 		const uint64_t byte = asked >> ( 8 * i ) & 0xff;
-		if ( byte != 0 )
+		if ( byte == 0 )
 		{
-			const span s = { cubes.u0[i], cubes.u1[i], cubes.v0[i], cubes.v1[i] };
-			const judgement all = lwi_bits( byte ) <= FEW ? SOME : judge_span( c, cubes.near[i], cubes.far[i], &s );
-			const triple at = { cubes.x[i], cubes.y[i], cubes.z[i] };
-			found |= ( all == ALL ? byte : all == SOME ? free_in_byte( c, at, byte ) : 0 ) << ( 8 * i );
+			continue;
+		}
+		const triple cube = { middle.x + c->cubes[0][i], middle.y + c->cubes[1][i], middle.z + c->cubes[2][i] };
+		for ( uint64_t left = candidates_in_byte( c, cube ) & byte; left != 0; left &= left - 1 )
+		{
+			const uint32_t k = lwi_lowest( left );
+			const triple at = { cube.x + c->voxels[0][k], cube.y + c->voxels[1][k], cube.z + c->voxels[2][k] };
+			const float far = at.z + c->voxel.z;
+			found |= (uint64_t)is_free( c, at, far, far + c->margin + slack( far ) ) << ( 8 * i + k );
 		}
 	}
 	return found;
@@ -413,6 +379,21 @@ static void clear_block( clearer* c, uint32_t chunk_index, const int32_t first[3
 	}
 }
 
+/// Has the memory of a block brought near before it is read.
+static void expect_block( const lw_cloud* cloud, uint32_t chunk, uint32_t b )
+{
+#if defined( __GNUC__ )
+	const uint32_t is = b < LWI_CHUNK_BLOCKS ? lwi_chunk_at( cloud, chunk )->blocks[b] : LWI_ALL_FREE;
+	if ( lwi_is_made( is ) )
+	{
+		const lwi_block* block = lwi_block_at( cloud, is );
+		__builtin_prefetch( block->occupied );
+		__builtin_prefetch( block->hit );
+		__builtin_prefetch( &block->frame );
+	}
+#endif
+}
+
 static void clear_chunk( clearer* c, size_t place )
 {
 	lw_cloud* cloud = c->cloud;
@@ -440,6 +421,7 @@ static void clear_chunk( clearer* c, size_t place )
 	is = lwi_chunk_make( cloud, place );
 	for ( uint32_t b = 0; is != LW_INVALID_INDEX && b < LWI_CHUNK_BLOCKS; ++b )
 	{
+		expect_block( cloud, is, b + AHEAD );
 		clear_block( c, is, corner, b );
 	}
 }
@@ -502,7 +484,6 @@ static clearer begin_clear( lw_cloud* cloud, const lwi_view* view, uint32_t stam
 		.edge = (float)edge,
 		.margin = (float)cloud->def.clear_margin,
 		.voxel = half_size( view, edge ),
-		.byte = half_size( view, 2 * edge ),
 		.word = half_size( view, 4 * edge ),
 		.block = half_size( view, LWI_BLOCK_EDGE * edge ),
 		.chunk = half_size( view, LWI_CHUNK_EDGE * edge ) };

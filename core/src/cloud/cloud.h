@@ -35,10 +35,11 @@ static inline bool lwi_is_made( uint32_t place )
 typedef struct lwi_block
 {
 	uint64_t occupied[LWI_BLOCK_WORDS];
-	uint64_t seen[LWI_BLOCK_WORDS]; ///< free or occupied; of clouds whose unseen voxels are blocked, else not used
 	uint64_t hit[LWI_BLOCK_WORDS], before[LWI_BLOCK_WORDS];
-	uint32_t frame; ///< number of the frame of `hit`
+	uint64_t seen[LWI_BLOCK_WORDS]; ///< free or occupied; of clouds whose unseen voxels are blocked, else not used
+	uint32_t frame;                 ///< number of the frame of `hit`
 	uint32_t hit_stamp, before_stamp;
+	uint32_t unused[13]; ///< to the end of the fifth cache line
 } lwi_block;
 
 enum

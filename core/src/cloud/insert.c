@@ -4,6 +4,7 @@
 #include "base/math_inline.h"
 #include "distance/distance.h"
 
+#include <float.h>
 #include <string.h>
 
 enum
@@ -11,7 +12,7 @@ enum
 	FRAME_COOKIE = 0x6c774672, // "lwFr"
 	MOST_SIDE = 8192,          ///< pixels of an image
 	MOST_POINTS = 1 << 26,
-	SQUARE = 16 ///< pixels of an image that are inserted together
+	SQUARE = 16 ///< pixels of an image that are inserted together; a multiple of eight
 };
 
 lw_cloud_frame lw_cloud_frame_default( void )
@@ -163,7 +164,7 @@ void lw_cloud_allow_jump( lw_cloud* cloud, uint32_t sensor )
 /// A block that points fell into.
 typedef struct entered
 {
-	uint32_t at[3]; ///< in blocks
+	uint32_t place; ///< of its chunk in the table, times LWI_CHUNK_BLOCKS, and its number in there; LW_INVALID_INDEX: none
 	lwi_body_set near;
 	bool is_near;
 	bool is_lost;     ///< it could not be made
@@ -177,31 +178,40 @@ typedef struct inserter
 	lw_cloud_report* report;
 	const lwi_own_body* bodies;
 	uint32_t body_count;
-	entered last[8]; ///< by the lowest bits of their places: points of a surface go to and fro between neighbours
+	/// By their numbers in chunks: points of a surface go to and fro between neighbours
+	entered last[LWI_CHUNK_BLOCKS];
 } inserter;
+
+/// Points in lanes, world.
+typedef struct eight_points
+{
+	double p[3][8];
+} eight_points;
 
 static inserter begin_insert( lw_cloud* cloud, const lwi_own_body* bodies, uint32_t body_count, lw_cloud_report* report )
 {
 	inserter in = { .cloud = cloud, .report = report, .bodies = bodies, .body_count = body_count };
-	for ( int i = 0; i < 8; ++i )
+	for ( int i = 0; i < LWI_CHUNK_BLOCKS; ++i )
 	{
-		in.last[i].at[0] = LW_INVALID_INDEX;
+		in.last[i].place = LW_INVALID_INDEX;
 	}
 	return in;
 }
 
-static void enter_block( const inserter* in, const uint32_t at[3], entered* out )
+static void enter_block( const inserter* in, uint32_t place, entered* out )
 {
-	memcpy( out->at, at, sizeof( out->at ) );
+	out->place = place;
 	out->block = NULL;
 	out->is_lost = out->is_near = false;
 	if ( in->body_count > 0 )
 	{
 		const double edge = LWI_BLOCK_EDGE * in->cloud->def.resolution;
+		int32_t corner[3];
 		double center[3];
+		lwi_block_corner( in->cloud, place / LWI_CHUNK_BLOCKS, place % LWI_CHUNK_BLOCKS, corner );
 		for ( int k = 0; k < 3; ++k )
 		{
-			center[k] = lwi_voxel_low( in->cloud, k, (int32_t)( at[k] * LWI_BLOCK_EDGE ) ) + 0.5 * edge;
+			center[k] = lwi_voxel_low( in->cloud, k, corner[k] ) + 0.5 * edge;
 		}
 		out->is_near = lwi_own_bodies_near( in->bodies, in->body_count, center, edge, &out->near );
 	}
@@ -209,11 +219,8 @@ static void enter_block( const inserter* in, const uint32_t at[3], entered* out 
 
 static void make_block( lw_cloud* cloud, entered* out )
 {
-	const uint32_t chunk_at[3] = { out->at[0] / 4, out->at[1] / 4, out->at[2] / 4 };
-	const uint32_t chunk = lwi_chunk_make( cloud, lwi_table_place( cloud, chunk_at ) );
-	const uint32_t block = chunk == LW_INVALID_INDEX ? chunk
-													 : lwi_block_make( cloud, chunk,
-														   lwi_morton( out->at[0] % 4, out->at[1] % 4, out->at[2] % 4 ) );
+	const uint32_t chunk = lwi_chunk_make( cloud, out->place / LWI_CHUNK_BLOCKS );
+	const uint32_t block = chunk == LW_INVALID_INDEX ? chunk : lwi_block_make( cloud, chunk, out->place % LWI_CHUNK_BLOCKS );
 	out->is_lost = block == LW_INVALID_INDEX;
 	if ( out->is_lost )
 	{
@@ -227,57 +234,108 @@ static void make_block( lw_cloud* cloud, entered* out )
 	}
 }
 
-static inline void insert_point( inserter* in, double x, double y, double z )
+/// What the frame has hit in a block becomes occupied.
+static void leave_block( const inserter* in, const entered* e )
 {
-	const lw_cloud* cloud = in->cloud;
-	const double p[3] = { x, y, z };
-	uint32_t v[3], at[3];
-	for ( int k = 0; k < 3; ++k )
+	lwi_block* block = e->block;
+	for ( uint32_t w = 0; block != NULL && w < LWI_BLOCK_WORDS; ++w )
 	{
-		const double voxel = p[k] * cloud->inverse - cloud->first[k];
-		if ( !( voxel >= cloud->low[k] && voxel < cloud->high[k] ) )
+		const uint64_t added = block->hit[w] & ~block->occupied[w];
+		if ( added != 0 )
 		{
-			++in->report->outside;
-			return;
+			in->report->added += lwi_bits( added );
+			e->chunk->occupied_changed = true;
+			e->chunk->unseen_changed = e->chunk->unseen_changed || ( added & ~block->seen[w] ) != 0;
+			block->occupied[w] |= added;
+			block->seen[w] |= added;
 		}
-		v[k] = (uint32_t)(int32_t)voxel;
-		at[k] = v[k] / LWI_BLOCK_EDGE;
 	}
-	entered* e = &in->last[( at[0] & 1 ) | ( at[1] & 1 ) << 1 | ( at[2] & 1 ) << 2];
-	if ( at[0] != e->at[0] || at[1] != e->at[1] || at[2] != e->at[2] )
-	{
-		enter_block( in, at, e );
-	}
-	if ( e->is_near && lwi_own_body_has( in->cloud, in->bodies, &e->near, lwi_v3( x, y, z ) ) )
+}
+
+/// @return false: the point is on the robot's own body
+static bool find_block( inserter* in, const eight_points* points, int i, entered* e )
+{
+	if ( e->is_near &&
+		 lwi_own_body_has( in->cloud, in->bodies, &e->near, lwi_v3( points->p[0][i], points->p[1][i], points->p[2][i] ) ) )
 	{
 		++in->report->own;
-		return;
+		return false;
 	}
 	if ( e->block == NULL && !e->is_lost )
 	{
 		make_block( in->cloud, e );
 	}
-	if ( e->is_lost )
+	in->report->lost += e->is_lost;
+	return !e->is_lost;
+}
+
+/// Bits of lwi_morton() of a number below 8.
+static inline uint32_t spread( uint32_t n )
+{
+	return ( n & 1u ) | ( n & 2u ) << 2 | ( n & 4u ) << 4;
+}
+
+/// Their blocks, as entered::place, and their voxels in there. @return lanes whose points are in the box; others have some block of the table
+static uint32_t find_voxels( const lw_cloud* cloud, const eight_points* points, uint32_t place[8], uint32_t voxel[8] )
+{
+	uint32_t v[3][8], lanes = 0;
+	int in_box[8] = { 1, 1, 1, 1, 1, 1, 1, 1 };
+	for ( int k = 0; k < 3; ++k )
 	{
-		++in->report->lost;
-		return;
+		const double first = cloud->first[k], low = cloud->low[k], high = cloud->high[k];
+		for ( int i = 0; i < 8; ++i )
+		{
+			const double at = points->p[k][i] * cloud->inverse - first;
+			const int in = ( at >= low ) & ( at < high );
+			in_box[i] &= in;
+			v[k][i] = (uint32_t)(int32_t)( in ? at : low );
+		}
 	}
-	++in->report->inserted;
-	lwi_block* block = e->block;
-	const uint32_t m = lwi_morton( v[0] % 8, v[1] % 8, v[2] % 8 ), w = m >> 6;
-	const uint64_t bit = (uint64_t)1 << ( m & 63 );
-	if ( ( block->hit[w] & bit ) != 0 )
+	const uint32_t wide = cloud->size[0], tall = cloud->size[1];
+	for ( int i = 0; i < 8; ++i )
 	{
-		return;
+		const uint32_t x = v[0][i], y = v[1][i], z = v[2][i];
+		const uint32_t chunk = ( z / LWI_CHUNK_EDGE * tall + y / LWI_CHUNK_EDGE ) * wide + x / LWI_CHUNK_EDGE;
+		voxel[i] = spread( x ) | spread( y ) << 1 | spread( z ) << 2;
+		place[i] = chunk * LWI_CHUNK_BLOCKS | ( spread( x / LWI_BLOCK_EDGE % 4 ) | spread( y / LWI_BLOCK_EDGE % 4 ) << 1 |
+												  spread( z / LWI_BLOCK_EDGE % 4 ) << 2 );
 	}
-	block->hit[w] |= bit;
-	if ( ( block->occupied[w] & bit ) == 0 )
+	for ( int i = 0; i < 8; ++i )
 	{
-		++in->report->added;
-		e->chunk->occupied_changed = true;
-		e->chunk->unseen_changed = e->chunk->unseen_changed || ( block->seen[w] & bit ) == 0;
-		block->occupied[w] |= bit;
-		block->seen[w] |= bit;
+		lanes |= (uint32_t)in_box[i] << i;
+	}
+	return lanes;
+}
+
+/// @param lanes which of the eight are points
+static void insert_points8( inserter* in, const eight_points* points, uint32_t lanes )
+{
+	uint32_t place[8], voxel[8];
+	const uint32_t in_box = find_voxels( in->cloud, points, place, voxel ) & lanes;
+	in->report->outside += lwi_bits( lanes & ~in_box );
+	for ( uint64_t left = in_box; left != 0; left &= left - 1 )
+	{
+		const uint32_t i = lwi_lowest( left );
+		entered* e = &in->last[place[i] % LWI_CHUNK_BLOCKS];
+		if ( e->place != place[i] )
+		{
+			leave_block( in, e );
+			enter_block( in, place[i], e );
+		}
+		if ( ( e->is_near || e->block == NULL ) && !find_block( in, points, (int)i, e ) )
+		{
+			continue;
+		}
+		++in->report->inserted;
+		e->block->hit[voxel[i] / 64] |= (uint64_t)1 << voxel[i] % 64;
+	}
+}
+
+static void end_insert( const inserter* in )
+{
+	for ( int i = 0; i < LWI_CHUNK_BLOCKS; ++i )
+	{
+		leave_block( in, &in->last[i] );
 	}
 }
 
@@ -311,7 +369,8 @@ static uint32_t insert_points( inserter* in, const lw_cloud_frame* frame, float 
 	const lw_cloud_points* points = &frame->points;
 	const lw_transform* pose = &frame->world_from_sensor;
 	const double near_sq = frame->near * frame->near, far_sq = frame->far * frame->far;
-	uint32_t count = 0;
+	uint32_t count = 0, lane = 0;
+	eight_points eight = { 0 };
 	for ( uint32_t i = 0; i < points->width * points->height; ++i )
 	{
 		const unsigned char* at = (const unsigned char*)points->data + i / points->width * points->row_step +
@@ -339,13 +398,16 @@ static uint32_t insert_points( inserter* in, const lw_cloud_frame* frame, float 
 			}
 			ray = lwi_scale( frame->far / sqrt( length_sq ), ray );
 		}
-		else if ( points->in_world )
-		{
-			insert_point( in, c[0], c[1], c[2] );
-		}
 		else
 		{
-			insert_point( in, ray.x + pose->t[0], ray.y + pose->t[1], ray.z + pose->t[2] );
+			eight.p[0][lane] = points->in_world ? c[0] : ray.x + pose->t[0];
+			eight.p[1][lane] = points->in_world ? c[1] : ray.y + pose->t[1];
+			eight.p[2][lane] = points->in_world ? c[2] : ray.z + pose->t[2];
+			if ( ++lane == 8 )
+			{
+				insert_points8( in, &eight, 0xff );
+				lane = 0;
+			}
 		}
 		if ( rays != NULL )
 		{
@@ -355,79 +417,104 @@ static uint32_t insert_points( inserter* in, const lw_cloud_frame* frame, float 
 			++count;
 		}
 	}
+	insert_points8( in, &eight, ( 1u << lane ) - 1 );
 	return count;
 }
 
-/// The depth of a pixel for its ray, at most `far`; 0 if it says nothing. Counts pixels without a point.
-static inline float depth_of_ray( const lw_cloud_frame* frame, double depth, bool* has_point, lw_cloud_report* report )
-{
-	*has_point = false;
-	if ( isnan( depth ) || !( depth > 0 ) || ( depth == INFINITY && !frame->trust_far ) )
-	{
-		++report->not_measured;
-		return 0;
-	}
-	if ( depth < frame->near || depth > frame->far )
-	{
-		++report->out_of_range;
-		return depth > frame->far && frame->trust_far ? (float)frame->far : 0;
-	}
-	*has_point = true;
-	return (float)depth;
-}
-
-/// The depth of a pixel, metres.
-static inline double load_depth( const lw_cloud_depth* depth, uint32_t u, uint32_t v )
+/// The depths of a row of pixels, metres.
+static void load_depths( const lw_cloud_depth* depth, uint32_t v, double* z )
 {
 	const unsigned char* row = (const unsigned char*)depth->data + v * depth->row_step;
-	if ( depth->is_float )
+	for ( uint32_t u = 0; u < depth->width; ++u )
 	{
-		return depth->scale * (double)load_float( row + u * sizeof( float ), depth->is_swapped );
+		if ( depth->is_float )
+		{
+			z[u] = depth->scale * (double)load_float( row + u * sizeof( float ), depth->is_swapped );
+		}
+		else
+		{
+			uint16_t raw;
+			memcpy( &raw, row + u * sizeof( raw ), sizeof( raw ) );
+			z[u] = depth->scale * ( depth->is_swapped ? ( raw >> 8 | ( raw & 0xff ) << 8 ) : raw );
+		}
 	}
-	uint16_t raw;
-	memcpy( &raw, row + u * sizeof( raw ), sizeof( raw ) );
-	return depth->scale * ( depth->is_swapped ? ( raw >> 8 | ( raw & 0xff ) << 8 ) : raw );
 }
 
-/// Directions of the rays: the point of pixel (u, v) at depth z is t + z (rows[v] + columns[u]), world.
+/// Depths without a point become NaN. Counts them. @param rays [width] depths that the rays clear to, 0 if a pixel says nothing; NULL: not wanted
+static void judge_depths( const lw_cloud_frame* frame, double* z, float* rays, lw_cloud_report* report )
+{
+	const double near = frame->near, far = frame->far, most = frame->trust_far ? INFINITY : DBL_MAX;
+	const double beyond = frame->trust_far ? far : 0;
+	uint32_t measured = 0, in_range = 0;
+	for ( uint32_t u = 0; u < frame->depth.width; ++u )
+	{
+		const double d = z[u];
+		const int is = ( d > 0 ) & ( d <= most ), in = is & ( d >= near ) & ( d <= far );
+		measured += (uint32_t)is;
+		in_range += (uint32_t)in;
+		z[u] = in ? d : NAN;
+		if ( rays != NULL )
+		{
+			rays[u] = (float)( in ? d : is & ( d > far ) ? beyond : 0 );
+		}
+	}
+	report->not_measured += frame->depth.width - measured;
+	report->out_of_range += measured - in_range;
+}
+
+/// Directions of the rays: the point of pixel (u, v) at depth z is t + z (rows[v] + columns[u]), world. The first row of `depths` is that of a band.
 typedef struct rays_of_depth
 {
-	double ( *columns )[3];
+	uint32_t stride;    ///< the width, or up to 7 more: a multiple of eight
+	double* columns[3]; ///< [stride]
 	double ( *rows )[3];
-	float* depths; ///< [height][width], written; NULL: not wanted
+	double* depths; ///< [SQUARE][stride], NaN without a point
 } rays_of_depth;
 
-/// Inserts the points of the pixels of a square.
-static void insert_square( inserter* in, const lw_cloud_frame* frame, const rays_of_depth* rays, uint32_t left,
-	uint32_t top )
+/// Inserts the points of eight pixels of a row.
+static void insert_pixels( inserter* in, const lw_cloud_frame* frame, const rays_of_depth* rays, uint32_t u, uint32_t v )
 {
-	const lw_cloud_depth* depth = &frame->depth;
-	const double* t = frame->world_from_sensor.t;
-	const uint32_t right = left + SQUARE < depth->width ? left + SQUARE : depth->width;
-	const uint32_t bottom = top + SQUARE < depth->height ? top + SQUARE : depth->height;
-	for ( uint32_t v = top; v < bottom; ++v )
+	const double* z = rays->depths + (size_t)( v % SQUARE ) * rays->stride + u;
+	uint32_t lanes = 0;
+	for ( int i = 0; i < 8; ++i )
 	{
-		const double* row = rays->rows[v];
-		for ( uint32_t u = left; u < right; ++u )
+		lanes |= (uint32_t)( z[i] == z[i] ) << i;
+	}
+	if ( lanes == 0 )
+	{
+		return;
+	}
+	eight_points points;
+	for ( int k = 0; k < 3; ++k )
+	{
+		const double t = frame->world_from_sensor.t[k], row = rays->rows[v][k], *column = rays->columns[k] + u;
+		for ( int i = 0; i < 8; ++i )
 		{
-			const double z = load_depth( depth, u, v ), *column = rays->columns[u];
-			bool has_point;
-			const float ray = depth_of_ray( frame, z, &has_point, in->report );
-			if ( rays->depths != NULL )
+			points.p[k][i] = t + z[i] * ( row + column[i] );
+		}
+	}
+	insert_points8( in, &points, lanes );
+}
+
+/// Inserts the points of some rows: square by square, for neighbours fall into the same blocks.
+static void insert_band( inserter* in, const lw_cloud_frame* frame, const rays_of_depth* rays, uint32_t top,
+	uint32_t bottom )
+{
+	for ( uint32_t left = 0; left < rays->stride; left += SQUARE )
+	{
+		const uint32_t right = left + SQUARE < rays->stride ? left + SQUARE : rays->stride;
+		for ( uint32_t v = top; v < bottom; ++v )
+		{
+			for ( uint32_t u = left; u < right; u += 8 )
 			{
-				rays->depths[(size_t)v * depth->width + u] = ray;
-			}
-			if ( has_point )
-			{
-				insert_point( in, t[0] + z * ( row[0] + column[0] ), t[1] + z * ( row[1] + column[1] ),
-					t[2] + z * ( row[2] + column[2] ) );
+				insert_pixels( in, frame, rays, u, v );
 			}
 		}
 	}
 }
 
-/// Inserts the points of a depth image and notes the depths of its rays: square by square, for neighbours fall into the same blocks.
-static void insert_depth( inserter* in, const lw_cloud_frame* frame, const rays_of_depth* rays )
+/// Inserts the points of a depth image and notes the depths of its rays. @param seen [height][width]; NULL: not wanted
+static void insert_depth( inserter* in, const lw_cloud_frame* frame, const rays_of_depth* rays, float* seen )
 {
 	const lw_cloud_depth* depth = &frame->depth;
 	const lw_transform* pose = &frame->world_from_sensor;
@@ -435,7 +522,7 @@ static void insert_depth( inserter* in, const lw_cloud_frame* frame, const rays_
 	{
 		for ( int k = 0; k < 3; ++k )
 		{
-			rays->columns[u][k] = pose->r[k][0] * ( ( u - depth->cx ) / depth->fx );
+			rays->columns[k][u] = pose->r[k][0] * ( ( u - depth->cx ) / depth->fx );
 		}
 	}
 	for ( uint32_t v = 0; v < depth->height; ++v )
@@ -447,10 +534,14 @@ static void insert_depth( inserter* in, const lw_cloud_frame* frame, const rays_
 	}
 	for ( uint32_t top = 0; top < depth->height; top += SQUARE )
 	{
-		for ( uint32_t left = 0; left < depth->width; left += SQUARE )
+		const uint32_t bottom = top + SQUARE < depth->height ? top + SQUARE : depth->height;
+		for ( uint32_t v = top; v < bottom; ++v )
 		{
-			insert_square( in, frame, rays, left, top );
+			double* z = rays->depths + (size_t)( v % SQUARE ) * rays->stride;
+			load_depths( depth, v, z );
+			judge_depths( frame, z, seen != NULL ? seen + (size_t)v * depth->width : NULL, in->report );
 		}
+		insert_band( in, frame, rays, top, bottom );
 	}
 }
 
@@ -464,7 +555,7 @@ typedef struct prepared
 	uint32_t body_count;
 	bool clears;
 	float ( *rays )[3];
-	double ( *directions )[3];
+	rays_of_depth directions;
 	lwi_view view;
 } prepared;
 
@@ -473,14 +564,26 @@ static bool make_room( lw_cloud* cloud, const lw_cloud_frame* frame, prepared* o
 	if ( frame->depth.data != NULL )
 	{
 		lwi_array* directions = &cloud->scratch[0];
-		out->clears = out->clears && frame->depth.width > 0 && frame->depth.height > 0;
-		if ( !lwi_array_reserve( directions, &cloud->allocator, 1,
-				 ( (size_t)frame->depth.width + frame->depth.height ) * sizeof( double[3] ) ) ||
-			 ( out->clears && !lwi_view_begin( cloud, frame->depth.width, frame->depth.height, false, &out->view ) ) )
+		const uint32_t stride = ( frame->depth.width + 7 ) / 8 * 8, height = frame->depth.height;
+		const size_t numbers = 3 * ( (size_t)stride + height ) + (size_t)SQUARE * stride;
+		out->clears = out->clears && stride > 0 && height > 0;
+		if ( !lwi_array_reserve( directions, &cloud->allocator, 1, numbers * sizeof( double ) ) ||
+			 ( out->clears && !lwi_view_begin( cloud, frame->depth.width, height, false, &out->view ) ) )
 		{
 			return false;
 		}
-		out->directions = directions->data;
+		double* next = directions->data;
+		out->directions.stride = stride;
+		for ( int k = 0; k < 3; ++k, next += stride )
+		{
+			out->directions.columns[k] = next;
+		}
+		out->directions.depths = next;
+		out->directions.rows = ( double( * )[3] )( next + (size_t)SQUARE * stride );
+		for ( size_t i = 0; i < (size_t)( 3 + SQUARE ) * stride; ++i )
+		{
+			( (double*)directions->data )[i] = NAN; // also beyond the width
+		}
 		return true;
 	}
 	const uint32_t count = frame->points.data != NULL ? frame->points.width * frame->points.height : 0;
@@ -559,14 +662,12 @@ lw_status lw_cloud_insert( lw_cloud* cloud, const lw_cloud_frame* frame_in, lw_d
 	inserter in = begin_insert( cloud, ready.bodies, ready.body_count, report );
 	if ( frame.depth.data != NULL )
 	{
-		const rays_of_depth rays = { ready.directions, ready.directions + frame.depth.width,
-			ready.clears ? ready.view.least[0] : NULL };
-		insert_depth( &in, &frame, &rays );
+		insert_depth( &in, &frame, &ready.directions, ready.clears ? ready.view.least[0] : NULL );
+		end_insert( &in );
 		if ( ready.clears )
 		{
 			view_of_depth( cloud, &frame.depth, &frame.world_from_sensor, &ready.view );
-			memcpy( ready.view.greatest[0], ready.view.least[0],
-				(size_t)frame.depth.width * frame.depth.height * sizeof( float ) );
+			ready.view.greatest[0] = ready.view.least[0];
 			lwi_view_finish( &ready.view );
 			lwi_cloud_clear_view( cloud, &ready.view, stamp, report );
 		}
@@ -574,6 +675,7 @@ lw_status lw_cloud_insert( lw_cloud* cloud, const lw_cloud_frame* frame_in, lw_d
 	else if ( frame.points.data != NULL )
 	{
 		const uint32_t rays = insert_points( &in, &frame, ready.rays );
+		end_insert( &in );
 		lwi_cloud_clear_points( cloud, &frame.world_from_sensor, ready.rays, rays, stamp, report );
 	}
 	cloud->occupied += report->added;
