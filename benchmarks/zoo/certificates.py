@@ -5,8 +5,8 @@
     PYTHONPATH=build/python certificates.py --leeway build/bin/leeway --checker build/bin/check_certificate [--problems N] ROBOT.urdf ROBOT.srdf FOLDER...
 
 FOLDER has sceneNNNN.yaml and requestNNNN.yaml of MotionBenchMaker. Prints a row for each folder: medians, and the largest values. `search`: of `leeway plan`,
-with its simplification, the best of three. `first`: the first certificate of a checker, which makes the model; `next`: the median of nine others of the
-same path; both are processor's time. The proof has spheres and directions (planes); no tables. Exit status 1: a checker refuses a certificate."""
+with its simplification, the best of five. `first`: the first certificate of a checker, which makes the model; `next`: the median of nine others of the
+same path; both are processor's time. `program`: how much longer `leeway plan` takes with --certificate, the best of five runs each. The proof has spheres and directions (planes); no tables. Exit status 1: a checker refuses a certificate."""
 import argparse
 import importlib.util
 import json
@@ -54,10 +54,12 @@ def one(given, robot, request, folder):
     file, path, report = folder / "c.lwc", folder / "path.yaml", folder / "report.json"
     scene = request.with_name(request.name.replace("request", "scene"))
     path.unlink(missing_ok=True)
-    search = []
-    for _ in range(3):
-        subprocess.run([given.leeway, "plan", "--robot", given.robot, "--srdf", given.srdf, "--scene", scene, "--request", request, "--out", path, "--report", report],
-            capture_output=True, text=True, check=False)
+    plan = [given.leeway, "plan", "--robot", given.robot, "--srdf", given.srdf, "--scene", scene, "--request", request, "--out", path, "--report", report]
+    search, program = [], {True: [], False: []}
+    for _ in range(5):
+        for with_certificate in (False, True):
+            more = ["--certificate", file] if with_certificate else []
+            program[with_certificate].append(seconds_of(lambda: subprocess.run(plan + more, capture_output=True, check=False))[1])
         if not path.exists():
             return None
         took = json.loads(report.read_text())["seconds"]
@@ -88,7 +90,7 @@ def one(given, robot, request, folder):
     windows = sum(kinds.values())
     return {"kB": len(data) / 1000, "proof kB": proof / 1000, "windows": windows, "spheres %": 100 * kinds["spheres"] / windows,
         "directions %": 100 * kinds["directions"] / windows, "search ms": 1000 * min(search),
-        "first ms": 1000 * first, "next ms": 1000 * following, "C ms": 1000 * c_seconds, "Python s": python_seconds}
+        "first ms": 1000 * first, "next ms": 1000 * following, "program %": 100 * (min(program[True]) / min(program[False]) - 1), "C ms": 1000 * c_seconds, "Python s": python_seconds}
 
 
 def main():
