@@ -47,9 +47,15 @@ TEST( CloudHits, APointIsInAnotherVoxel )
 	for ( int round = 0; round < 20; ++round )
 	{
 		const double resolution = rng.decade( -2.5, -0.5 ), half = resolution * rng.uniform( 3, 90 );
-		const CloudPtr cloud = makeCloud( cloudOf( resolution, half ) );
+		lw_cloud_def def = cloudOf( resolution, half );
+		for ( int k = 0; k < 3; ++k )
+		{
+			def.box_min[k] *= rng.uniform( 0.1, 1 ); // another number of chunks along each axis
+			def.box_max[k] *= rng.uniform( 0.1, 1 );
+		}
+		const CloudPtr cloud = makeCloud( def );
 		const lw_cloud_info info = lw_cloud_get_info( cloud.get() );
-		const std::vector<Point> points = randomPoints( rng, 500, 1.3 * half, resolution );
+		const std::vector<Point> points = randomPoints( rng, 1000, 1.1 * half, resolution );
 		PointFrame frame( 1, points );
 		frame.frame.clears = false;
 		const lw_cloud_report report = insert( cloud.get(), frame.frame );

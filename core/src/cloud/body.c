@@ -159,6 +159,22 @@ lw_status lwi_own_bodies_pose( lw_cloud* cloud, const lw_robot* robot, const dou
 	return status;
 }
 
+/// Does a sphere meet the box around a body and its shadow?
+static bool meets_box( const lwi_own_body* body, const double center[3], double radius )
+{
+	const lwi_body_grid* grid = body->grid;
+	const lw_vec3 p = lwi_untransform( &body->world_from_body, lwi_load( center ) );
+	const double at[3] = { p.x, p.y, p.z };
+	double square = 0;
+	for ( int k = 0; k < 3; ++k )
+	{
+		const double below = grid->low[k] - at[k], above = at[k] - grid->low[k] - grid->size[k] * grid->cell;
+		const double outside = lwi_larger( lwi_larger( below, above ), 0 );
+		square += outside * outside;
+	}
+	return square <= radius * radius;
+}
+
 bool lwi_own_bodies_near( const lwi_own_body* bodies, uint32_t count, const double center[3], double radius,
 	lwi_body_set* out )
 {
@@ -169,9 +185,11 @@ bool lwi_own_bodies_near( const lwi_own_body* bodies, uint32_t count, const doub
 		const double d[3] = { bodies[i].center[0] - center[0], bodies[i].center[1] - center[1],
 			bodies[i].center[2] - center[2] };
 		const double reach = bodies[i].radius + radius;
-		const bool meets = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= reach * reach;
-		out->word[i >> 6] |= (uint64_t)meets << ( i & 63 );
-		near = near || meets;
+		if ( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= reach * reach && meets_box( &bodies[i], center, radius ) )
+		{
+			out->word[i >> 6] |= (uint64_t)1 << ( i & 63 );
+			near = true;
+		}
 	}
 	return near;
 }

@@ -236,7 +236,7 @@ typedef struct lwi_own_body
 /// @return LW_OK, LW_ERROR_INVALID_ARGUMENT (state), LW_ERROR_OUT_OF_MEMORY
 lw_status lwi_own_bodies_pose( lw_cloud* cloud, const lw_robot* robot, const double* state, lw_diag* diag,
 	lwi_own_body* out );
-/// Bodies whose enlarged sphere meets this sphere. @return false: none
+/// Bodies whose enlarged sphere and box meet this sphere. @return false: none
 bool lwi_own_bodies_near( const lwi_own_body* bodies, uint32_t count, const double center[3], double radius,
 	lwi_body_set* out );
 /// Is the point proved to be nearer than the shadow to one of these bodies?
