@@ -59,9 +59,6 @@ configure()
 	if [ ! -e "$folder/CMakeCache.txt" ]; then
 		options+=( -G Ninja )
 	fi
-	if command -v ccache >/dev/null; then
-		options+=( -DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache )
-	fi
 	cmake -S . -B "$folder" "${options[@]}"
 }
 
