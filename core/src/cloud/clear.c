@@ -2,7 +2,7 @@
 // Clearing by the rays of a picture: voxels are looked up in it, cubes of them first. Derivation: core/docs/cloud.md.
 //
 // No ray is followed through the voxels. A voxel is looked up in the picture: it is free if all pixels that it covers saw something behind it, and if
-// the ray of one of them goes through it. Cubes of 32, 8, 4 and 2 voxels are looked up first: many are behind all that the pixels saw, or beside the
+// the ray of one of them goes through it. Cubes of 32, 8 and 4 voxels are looked up first: many are behind all that the pixels saw, or beside the
 // picture, or wholly in front. A pyramid of least and greatest depths makes each look-up a few numbers.
 #include "cloud/cloud.h"
 #include "base/math_inline.h"
@@ -37,7 +37,8 @@ typedef struct clearer
 	float edge, margin;               ///< metres
 	triple voxel, word, block, chunk; ///< half sizes of the boxes around them, along the axes of the view
 	triple words[8];                  ///< from the middle of a block to those of its words
-	float cubes[3][8], voxels[3][8];  ///< x, y and z from the middle of a word to those of its bytes, and on to their voxels
+	float cubes[3][8];                ///< x, y and z from the middle of a word to those of its bytes
+	lwi_voxel_view eight;             ///< voxels of a byte
 } clearer;
 
 /// The pixels that a box covers, and the least and greatest depth that they saw.
@@ -149,9 +150,10 @@ static inline window look_at_voxel( const clearer* c, triple at, float near, flo
 }
 
 /// Rounding: centres are off by a few units of floats of their size, and so are the depths of the picture.
+static const float SLACK = 4e-6f;
 static inline float slack( float far )
 {
-	return 4e-6f * far;
+	return SLACK * far;
 }
 
 static judgement judge( const clearer* c, triple at, triple half )
@@ -223,34 +225,6 @@ static inline triple moved( triple at, triple by )
 	return ( triple ){ at.x + by.x, at.y + by.y, at.z + by.z };
 }
 
-/// Voxels of a byte whose middle's pixel saw something behind them: most voxels are on a surface, and this is enough to keep them. All eight are
-/// projected together.
-static uint64_t candidates_in_byte( const clearer* c, triple middle )
-{
-	const lwi_view* view = c->view;
-	const float width = (float)view->width[0], height = (float)view->height[0];
-	const int row = (int)view->width[0];
-	const float half = c->voxel.z, nearest = 0.5f * c->edge;
-	float behind[8];
-	int pixel[8], is_in[8];
-	for ( int k = 0; k < 8; ++k )
-	{
-		const float x = middle.x + c->voxels[0][k], y = middle.y + c->voxels[1][k], z = middle.z + c->voxels[2][k];
-		const float by_z = 1 / z, far = z + half;
-		const float u = c->fx * x * by_z + c->cx + 0.5f, v = c->fy * y * by_z + c->cy + 0.5f;
-		const int in = ( z - half > nearest ) & ( u >= 0 ) & ( v >= 0 ) & ( u < width ) & ( v < height );
-		is_in[k] = in;
-		pixel[k] = (int)( in ? v : 0 ) * row + (int)( in ? u : 0 );
-		behind[k] = far + c->margin + slack( far );
-	}
-	uint64_t found = 0;
-	for ( int k = 0; k < 8; ++k )
-	{
-		found |= (uint64_t)( is_in[k] & ( view->least[0][pixel[k]] > behind[k] ) ) << k;
-	}
-	return found;
-}
-
 /// The voxels of a word that are free, of those asked for.
 static uint64_t free_bits( const clearer* c, triple middle, uint64_t asked )
 {
@@ -267,11 +241,13 @@ static uint64_t free_bits( const clearer* c, triple middle, uint64_t asked )
 		{
 			continue;
 		}
-		const triple cube = { middle.x + c->cubes[0][i], middle.y + c->cubes[1][i], middle.z + c->cubes[2][i] };
-		for ( uint64_t left = candidates_in_byte( c, cube ) & byte; left != 0; left &= left - 1 )
+		const float cube[3] = { middle.x + c->cubes[0][i], middle.y + c->cubes[1][i], middle.z + c->cubes[2][i] };
+		// most voxels are on a surface, and the pixel in their middle is enough to keep them
+		for ( uint64_t left = c->cloud->kernels->voxels_before( &c->eight, cube ) & byte; left != 0; left &= left - 1 )
 		{
 			const uint32_t k = lwi_lowest( left );
-			const triple at = { cube.x + c->voxels[0][k], cube.y + c->voxels[1][k], cube.z + c->voxels[2][k] };
+			const float( *by )[8] = c->eight.voxels;
+			const triple at = { cube[0] + by[0][k], cube[1] + by[1][k], cube[2] + by[2][k] };
 			const float far = at.z + c->voxel.z;
 			found |= (uint64_t)is_free( c, at, far, far + c->margin + slack( far ) ) << ( 8 * i + k );
 		}
@@ -487,6 +463,17 @@ static clearer begin_clear( lw_cloud* cloud, const lwi_view* view, uint32_t stam
 		.word = half_size( view, 4 * edge ),
 		.block = half_size( view, LWI_BLOCK_EDGE * edge ),
 		.chunk = half_size( view, LWI_CHUNK_EDGE * edge ) };
+	c.eight = ( lwi_voxel_view ){ .least = view->least[0],
+		.width = view->width[0],
+		.height = view->height[0],
+		.fx = c.fx,
+		.fy = c.fy,
+		.cx = c.cx,
+		.cy = c.cy,
+		.half = c.voxel.z,
+		.nearest = 0.5f * c.edge,
+		.margin = c.margin,
+		.slack = SLACK };
 	for ( uint32_t i = 0; i < 8; ++i )
 	{
 		const lw_vec3 step =
@@ -496,7 +483,7 @@ static clearer begin_clear( lw_cloud* cloud, const lwi_view* view, uint32_t stam
 		for ( int k = 0; k < 3; ++k )
 		{
 			c.cubes[k][i] = (float)by[k];
-			c.voxels[k][i] = (float)( 0.5 * by[k] );
+			c.eight.voxels[k][i] = (float)( 0.5 * by[k] );
 		}
 	}
 	return c;

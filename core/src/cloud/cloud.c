@@ -131,6 +131,7 @@ lw_status lw_cloud_create( const lw_cloud_def* def, const lw_allocator* allocato
 		return lwi_out_of_memory( diag, "a cloud" );
 	}
 	cloud->allocator = memory;
+	cloud->kernels = lwi_kernels_get( LW_SIMD_BEST );
 	cloud->def = *def;
 	cloud->def.clear_margin = isnan( def->clear_margin ) ? def->resolution : def->clear_margin;
 	cloud->inverse = 1 / def->resolution;

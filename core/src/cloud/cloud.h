@@ -9,16 +9,12 @@
 
 #include "base/grow.h"
 #include "leeway/cloud.h"
+#include "simd/kernels.h"
 
 LW_EXTERN_C_BEGIN
 
 enum
 {
-	LWI_BLOCK_EDGE = 8,     ///< voxels
-	LWI_BLOCK_VOXELS = 512, ///< of a block
-	LWI_BLOCK_WORDS = 8,
-	LWI_CHUNK_EDGE = 32, ///< voxels
-	LWI_CHUNK_BLOCKS = 64,
 	LWI_CLOUD_SCRATCH = 3
 };
 
@@ -76,6 +72,7 @@ struct lwi_body_grid;
 struct lw_cloud
 {
 	lw_allocator allocator;
+	const lwi_kernels* kernels;
 	lw_cloud_def def;
 	double inverse;          ///< 1 / resolution
 	int32_t first[3];        ///< voxel with which the table begins, a multiple of LWI_CHUNK_EDGE

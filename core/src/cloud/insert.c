@@ -178,6 +178,7 @@ typedef struct inserter
 	lw_cloud_report* report;
 	const lwi_own_body* bodies;
 	uint32_t body_count;
+	lwi_voxel_grid grid;
 	/// By their numbers in chunks: points of a surface go to and fro between neighbours
 	entered last[LWI_CHUNK_BLOCKS];
 } inserter;
@@ -191,6 +192,13 @@ typedef struct eight_points
 static inserter begin_insert( lw_cloud* cloud, const lwi_own_body* bodies, uint32_t body_count, lw_cloud_report* report )
 {
 	inserter in = { .cloud = cloud, .report = report, .bodies = bodies, .body_count = body_count };
+	in.grid = ( lwi_voxel_grid ){ .inverse = cloud->inverse, .wide = cloud->size[0], .tall = cloud->size[1] };
+	for ( int k = 0; k < 3; ++k )
+	{
+		in.grid.first[k] = cloud->first[k];
+		in.grid.low[k] = cloud->low[k];
+		in.grid.high[k] = cloud->high[k];
+	}
 	for ( int i = 0; i < LWI_CHUNK_BLOCKS; ++i )
 	{
 		in.last[i].place = LW_INVALID_INDEX;
@@ -269,49 +277,11 @@ static bool find_block( inserter* in, const eight_points* points, int i, entered
 	return !e->is_lost;
 }
 
-/// Bits of lwi_morton() of a number below 8.
-static inline uint32_t spread( uint32_t n )
-{
-	return ( n & 1u ) | ( n & 2u ) << 2 | ( n & 4u ) << 4;
-}
-
-/// Their blocks, as entered::place, and their voxels in there. @return lanes whose points are in the box; others have some block of the table
-static uint32_t find_voxels( const lw_cloud* cloud, const eight_points* points, uint32_t place[8], uint32_t voxel[8] )
-{
-	uint32_t v[3][8], lanes = 0;
-	int in_box[8] = { 1, 1, 1, 1, 1, 1, 1, 1 };
-	for ( int k = 0; k < 3; ++k )
-	{
-		const double first = cloud->first[k], low = cloud->low[k], high = cloud->high[k];
-		for ( int i = 0; i < 8; ++i )
-		{
-			const double at = points->p[k][i] * cloud->inverse - first;
-			const int in = ( at >= low ) & ( at < high );
-			in_box[i] &= in;
-			v[k][i] = (uint32_t)(int32_t)( in ? at : low );
-		}
-	}
-	const uint32_t wide = cloud->size[0], tall = cloud->size[1];
-	for ( int i = 0; i < 8; ++i )
-	{
-		const uint32_t x = v[0][i], y = v[1][i], z = v[2][i];
-		const uint32_t chunk = ( z / LWI_CHUNK_EDGE * tall + y / LWI_CHUNK_EDGE ) * wide + x / LWI_CHUNK_EDGE;
-		voxel[i] = spread( x ) | spread( y ) << 1 | spread( z ) << 2;
-		place[i] = chunk * LWI_CHUNK_BLOCKS | ( spread( x / LWI_BLOCK_EDGE % 4 ) | spread( y / LWI_BLOCK_EDGE % 4 ) << 1 |
-												  spread( z / LWI_BLOCK_EDGE % 4 ) << 2 );
-	}
-	for ( int i = 0; i < 8; ++i )
-	{
-		lanes |= (uint32_t)in_box[i] << i;
-	}
-	return lanes;
-}
-
 /// @param lanes which of the eight are points
 static void insert_points8( inserter* in, const eight_points* points, uint32_t lanes )
 {
 	uint32_t place[8], voxel[8];
-	const uint32_t in_box = find_voxels( in->cloud, points, place, voxel ) & lanes;
+	const uint32_t in_box = in->cloud->kernels->point_voxels( &in->grid, points->p, place, voxel ) & lanes;
 	in->report->outside += lwi_bits( lanes & ~in_box );
 	for ( uint64_t left = in_box; left != 0; left &= left - 1 )
 	{
@@ -422,43 +392,50 @@ static uint32_t insert_points( inserter* in, const lw_cloud_frame* frame, float 
 }
 
 /// The depths of a row of pixels, metres.
-static void load_depths( const lw_cloud_depth* depth, uint32_t v, double* z )
+static void load_depths( const lw_cloud_depth* depth, uint32_t v, double* restrict z )
 {
 	const unsigned char* row = (const unsigned char*)depth->data + v * depth->row_step;
-	for ( uint32_t u = 0; u < depth->width; ++u )
+	const uint32_t width = depth->width;
+	const double scale = depth->scale;
+	const bool swapped = depth->is_swapped;
+	for ( uint32_t u = 0; u < width && depth->is_float && !swapped; ++u )
 	{
-		if ( depth->is_float )
-		{
-			z[u] = depth->scale * (double)load_float( row + u * sizeof( float ), depth->is_swapped );
-		}
-		else
-		{
-			uint16_t raw;
-			memcpy( &raw, row + u * sizeof( raw ), sizeof( raw ) );
-			z[u] = depth->scale * ( depth->is_swapped ? ( raw >> 8 | ( raw & 0xff ) << 8 ) : raw );
-		}
+		float value;
+		memcpy( &value, row + u * sizeof( value ), sizeof( value ) );
+		z[u] = scale * (double)value;
+	}
+	for ( uint32_t u = 0; u < width && depth->is_float && swapped; ++u )
+	{
+		z[u] = scale * (double)load_float( row + u * sizeof( float ), true );
+	}
+	for ( uint32_t u = 0; u < width && !depth->is_float; ++u )
+	{
+		uint16_t raw;
+		memcpy( &raw, row + u * sizeof( raw ), sizeof( raw ) );
+		z[u] = scale * ( swapped ? ( raw >> 8 | ( raw & 0xff ) << 8 ) : raw );
 	}
 }
 
 /// Depths without a point become NaN. Counts them. @param rays [width] depths that the rays clear to, 0 if a pixel says nothing; NULL: not wanted
-static void judge_depths( const lw_cloud_frame* frame, double* z, float* rays, lw_cloud_report* report )
+static void judge_depths( const lw_cloud_frame* frame, double* restrict z, float* restrict rays, lw_cloud_report* report )
 {
 	const double near = frame->near, far = frame->far, most = frame->trust_far ? INFINITY : DBL_MAX;
 	const double beyond = frame->trust_far ? far : 0;
+	const uint32_t width = frame->depth.width;
 	uint32_t measured = 0, in_range = 0;
-	for ( uint32_t u = 0; u < frame->depth.width; ++u )
+	for ( uint32_t u = 0; u < width; ++u )
 	{
 		const double d = z[u];
-		const int is = ( d > 0 ) & ( d <= most ), in = is & ( d >= near ) & ( d <= far );
-		measured += (uint32_t)is;
-		in_range += (uint32_t)in;
+		const bool is = ( d > 0 ) & ( d <= most ), in = is & ( d >= near ) & ( d <= far );
+		measured += is;
+		in_range += in;
 		z[u] = in ? d : NAN;
 		if ( rays != NULL )
 		{
 			rays[u] = (float)( in ? d : is & ( d > far ) ? beyond : 0 );
 		}
 	}
-	report->not_measured += frame->depth.width - measured;
+	report->not_measured += width - measured;
 	report->out_of_range += measured - in_range;
 }
 

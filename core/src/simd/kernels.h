@@ -21,6 +21,7 @@
 #include "leeway/shape.h"
 #include "simd/lanes.h"
 #include "simd/tree_layout.h"
+#include "simd/voxels.h"
 
 #include <float.h>
 
@@ -160,6 +161,15 @@ typedef struct lwi_kernels
 	/// Spheres of a node whose distance to a primitive does not reach `limit`: lanes, one byte a child; 0 for pads
 	void ( *lane_node )( const lwi_lane_motion* motion, const lwi_node* node, const lwi_primitive* primitive, float limit,
 		uint8_t near[LWI_WIDTH] );
+
+	// Voxels: cloud/insert.c, cloud/clear.c
+
+	/// Voxels of eight points. @param place of its chunk, chunks in the order z, y, x, times LWI_CHUNK_BLOCKS, and its block's number in there, in Morton
+	/// order @param voxel its number in the block, in Morton order. @return lanes whose points are in the grid; others have numbers without meaning
+	uint32_t (
+		*point_voxels )( const lwi_voxel_grid* grid, const double ( *point )[LWI_WIDTH], uint32_t* place, uint32_t* voxel );
+	/// Lanes of a cube of eight voxels whose middle's pixel saw something behind them. @param middle of the cube, frame of the view
+	uint32_t ( *voxels_before )( const lwi_voxel_view* view, const float middle[3] );
 } lwi_kernels;
 
 /// The table of a level; levels that this build or machine lacks give the next lower one.

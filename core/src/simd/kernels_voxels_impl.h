@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Kernels of voxels (simd/voxels.h), a part of simd/kernels_impl.h: plain loops over lanes, each with one type of numbers, which compilers turn into
+// vector instructions.
+
+/// The bits of a number below 8 as every third one.
+static inline uint32_t spread3( uint32_t n )
+{
+	return ( n & 1u ) | ( n & 2u ) << 2 | ( n & 4u ) << 4;
+}
+
+static uint32_t point_voxels( const lwi_voxel_grid* grid, const double ( *restrict point )[LWI_WIDTH],
+	uint32_t* restrict place, uint32_t* restrict voxel )
+{
+	double at[3][LWI_WIDTH];
+	int32_t v[3][LWI_WIDTH];
+	for ( int k = 0; k < 3; ++k )
+	{
+		const double inverse = grid->inverse, first = grid->first[k], low = grid->low[k], high = grid->high[k];
+		for ( int i = 0; i < LWI_WIDTH; ++i )
+		{
+			const double x = point[k][i] * inverse - first, y = x >= low ? x : -1;
+			at[k][i] = y < high ? y : -1;
+		}
+		for ( int i = 0; i < LWI_WIDTH; ++i )
+		{
+			v[k][i] = (int32_t)at[k][i];
+		}
+	}
+	const uint32_t wide = grid->wide, tall = grid->tall;
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		const uint32_t x = (uint32_t)v[0][i], y = (uint32_t)v[1][i], z = (uint32_t)v[2][i];
+		const uint32_t chunk = ( z / LWI_CHUNK_EDGE * tall + y / LWI_CHUNK_EDGE ) * wide + x / LWI_CHUNK_EDGE;
+		voxel[i] = spread3( x ) | spread3( y ) << 1 | spread3( z ) << 2;
+		place[i] = chunk * LWI_CHUNK_BLOCKS | ( spread3( x / LWI_BLOCK_EDGE % 4 ) | spread3( y / LWI_BLOCK_EDGE % 4 ) << 1 |
+												  spread3( z / LWI_BLOCK_EDGE % 4 ) << 2 );
+	}
+	uint32_t outside = 0;
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		outside |= (uint32_t)( v[0][i] | v[1][i] | v[2][i] ) >> 31 << i;
+	}
+	return outside ^ 0xffu;
+}
+
+static uint32_t voxels_before( const lwi_voxel_view* view, const float middle[3] )
+{
+	const float width = (float)view->width, height = (float)view->height;
+	const float fx = view->fx, fy = view->fy, cx = view->cx, cy = view->cy;
+	const float half = view->half, nearest = view->nearest, margin = view->margin, slack = view->slack;
+	const int row = (int)view->width;
+	float behind[LWI_WIDTH];
+	int pixel[LWI_WIDTH], is_in[LWI_WIDTH];
+	for ( int k = 0; k < LWI_WIDTH; ++k )
+	{
+		const float x = middle[0] + view->voxels[0][k], y = middle[1] + view->voxels[1][k],
+					z = middle[2] + view->voxels[2][k];
+		const float by_z = 1 / z, far = z + half;
+		const float u = fx * x * by_z + cx + 0.5f, v = fy * y * by_z + cy + 0.5f;
+		const int in = ( z - half > nearest ) & ( u >= 0 ) & ( v >= 0 ) & ( u < width ) & ( v < height );
+		is_in[k] = in;
+		pixel[k] = (int)( in ? v : 0 ) * row + (int)( in ? u : 0 );
+		behind[k] = far + margin + slack * far;
+	}
+	uint32_t lanes = 0;
+	for ( int k = 0; k < LWI_WIDTH; ++k )
+	{
+		lanes |= (uint32_t)( is_in[k] & ( view->least[pixel[k]] > behind[k] ) ) << k;
+	}
+	return lanes;
+}

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Voxels of a live cloud in the lanes of vectors: cloud/insert.c, cloud/clear.c.
+#ifndef LEEWAY_SIMD_VOXELS_H
+#define LEEWAY_SIMD_VOXELS_H
+
+#include "simd/tree_layout.h"
+
+enum
+{
+	LWI_BLOCK_EDGE = 8,     ///< voxels
+	LWI_BLOCK_VOXELS = 512, ///< of a block
+	LWI_BLOCK_WORDS = 8,
+	LWI_CHUNK_EDGE = 32, ///< voxels
+	LWI_CHUNK_BLOCKS = 64
+};
+
+/// Voxel (x, y, z) of a point p is floor( p inverse - first ), along each axis within low <= x < high, whole numbers >= 0.
+typedef struct lwi_voxel_grid
+{
+	double inverse, first[3], low[3], high[3];
+	uint32_t wide, tall; ///< chunks along x and y
+} lwi_voxel_grid;
+
+/// The depths that a sensor saw, and a cube of eight voxels in its view: pixel (u, v) looks along ((u - cx) / fx, (v - cy) / fy, 1).
+typedef struct lwi_voxel_view
+{
+	const float* least; ///< [height][width] depths z, 0 if a pixel saw nothing
+	uint32_t width, height;
+	float fx, fy, cx, cy;
+	float half;                 ///< a voxel reaches from its middle along z
+	float nearest;              ///< depth: voxels that begin nearer are not looked up
+	float margin, slack;        ///< what was seen is behind its far side by more than margin + slack times that
+	float voxels[3][LWI_WIDTH]; ///< x, y and z from the cube's middle to those of its voxels
+} lwi_voxel_view;
+
+#endif

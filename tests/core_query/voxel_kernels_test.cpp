@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Kernels of voxels: every level against arithmetic of its own, voxel by voxel.
+#include "kernel_levels.hpp"
+#include "seeded_rng.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace
+{
+
+/// Bits x, y, z in turns.
+std::uint32_t interleaved( const std::array<std::uint32_t, 3>& at, std::uint32_t bits )
+{
+	std::uint32_t out = 0;
+	for ( std::uint32_t bit = 0; bit < bits; ++bit )
+	{
+		for ( std::uint32_t k = 0; k < 3; ++k )
+		{
+			out |= ( at[k] >> bit & 1u ) << ( 3 * bit + k );
+		}
+	}
+	return out;
+}
+
+} // namespace
+
+TEST( Kernels, APointIsInAnotherVoxel )
+{
+	SeededRng rng( 20261128 );
+	std::size_t inside = 0;
+	for ( int round = 0; round < 3000; ++round )
+	{
+		lwi_voxel_grid grid = {};
+		grid.inverse =
+		    round % 2 == 0 ? 1 / rng.decade( -3, 0 ) : std::ldexp( 1.0, round % 7 ); // also exact at the sides of voxels
+		std::array<std::uint32_t, 3> chunks;
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			chunks[k] = static_cast<std::uint32_t>( rng.uniform( 1, 40 ) );
+			grid.first[k] = 32 * std::floor( rng.uniform( -100, 100 ) );
+			grid.low[k] = std::floor( rng.uniform( 0, 31 ) );
+			grid.high[k] = 32.0 * chunks[k] - std::floor( rng.uniform( 0, 31 ) );
+		}
+		grid.wide = chunks[0];
+		grid.tall = chunks[1];
+		double points[3][LWI_WIDTH];
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			for ( double& p : points[k] )
+			{
+				const double kind = rng.uniform( 0, 100 ), any = rng.uniform( grid.low[k] - 2, grid.high[k] + 2 );
+				const double voxel = kind < 6 ? grid.high[k] : kind < 9 ? grid.low[k] : kind < 30 ? std::floor( any ) : any;
+				p = kind < 1   ? std::nan( "" )
+				    : kind < 2 ? HUGE_VAL * ( kind - 1.5 )
+				    : kind < 3 ? 1e30
+				               : ( voxel + grid.first[k] ) / grid.inverse;
+			}
+		}
+		for ( const lwi_kernels* table : kernelLevels() )
+		{
+			std::uint32_t place[LWI_WIDTH], voxel[LWI_WIDTH];
+			const std::uint32_t lanes = table->point_voxels( &grid, points, place, voxel );
+			for ( std::uint32_t i = 0; i < LWI_WIDTH; ++i )
+			{
+				bool in = true;
+				std::array<std::uint32_t, 3> at = {};
+				for ( std::size_t k = 0; k < 3; ++k )
+				{
+					const double x = points[k][i] * grid.inverse - grid.first[k];
+					in = in && x >= grid.low[k] && x < grid.high[k];
+					at[k] = in ? static_cast<std::uint32_t>( std::floor( x ) ) : 0;
+				}
+				ASSERT_EQ( in, ( lanes >> i & 1u ) != 0 ) << "level " << table->level;
+				inside += in ? 1 : 0;
+				if ( in )
+				{
+					const std::uint32_t chunk = ( at[2] / 32 * chunks[1] + at[1] / 32 ) * chunks[0] + at[0] / 32;
+					const std::uint32_t block = interleaved( { at[0] / 8 % 4, at[1] / 8 % 4, at[2] / 8 % 4 }, 2 );
+					ASSERT_EQ( place[i], 64 * chunk + block ) << "level " << table->level;
+					ASSERT_EQ( voxel[i], interleaved( { at[0] % 8, at[1] % 8, at[2] % 8 }, 3 ) ) << "level " << table->level;
+				}
+			}
+		}
+	}
+	EXPECT_GT( inside, 10000u );
+}
+
+TEST( Kernels, AVoxelIsBeforeAnotherPixel )
+{
+	SeededRng rng( 20261129 );
+	std::size_t before = 0, others = 0;
+	for ( int round = 0; round < 3000; ++round )
+	{
+		lwi_voxel_view view = {};
+		view.width = static_cast<std::uint32_t>( rng.uniform( 1, 40 ) );
+		view.height = static_cast<std::uint32_t>( rng.uniform( 1, 40 ) );
+		std::vector<float> depths( std::size_t( view.width ) * view.height );
+		for ( float& z : depths )
+		{
+			z = static_cast<float>( rng.uniform( -0.5, 3 ) );
+			z = z < 0 ? 0 : z;
+		}
+		view.least = depths.data();
+		view.fx = view.fy = static_cast<float>( rng.uniform( 5, 40 ) );
+		view.cx = static_cast<float>( 0.5 * view.width );
+		view.cy = static_cast<float>( 0.5 * view.height );
+		view.half = static_cast<float>( rng.decade( -3, -1 ) );
+		view.nearest = 0.5f * view.half;
+		view.margin = static_cast<float>( rng.decade( -3, -1 ) );
+		view.slack = static_cast<float>( rng.decade( -6, -1 ) );
+		for ( auto& axis : view.voxels )
+		{
+			for ( float& by : axis )
+			{
+				by = static_cast<float>( rng.uniform( -0.1, 0.1 ) );
+			}
+		}
+		// behind the sensor, at it, in front of it
+		const double z_of_middle = round % 50 == 0 ? 0 : rng.uniform( -0.5, 2 );
+		const float middle[3] = { static_cast<float>( rng.uniform( -1, 1 ) ), static_cast<float>( rng.uniform( -1, 1 ) ),
+		    static_cast<float>( z_of_middle ) };
+		for ( const lwi_kernels* table : kernelLevels() )
+		{
+			const std::uint32_t lanes = table->voxels_before( &view, middle );
+			for ( std::size_t i = 0; i < LWI_WIDTH; ++i )
+			{
+				const float x = middle[0] + view.voxels[0][i], y = middle[1] + view.voxels[1][i],
+				            z = middle[2] + view.voxels[2][i];
+				// the kernel's own order of float operations: a pixel's edge is decided by rounding
+				const float by_z = 1 / z, u = view.fx * x * by_z + view.cx + 0.5f, v = view.fy * y * by_z + view.cy + 0.5f;
+				bool expected =
+				    z - view.half > view.nearest && u >= 0 && v >= 0 && u < float( view.width ) && v < float( view.height );
+				const float far = z + view.half;
+				expected = expected &&
+				           depths[std::size_t( v ) * view.width + std::size_t( u )] > far + view.margin + view.slack * far;
+				ASSERT_EQ( expected, ( lanes >> i & 1u ) != 0 ) << "level " << table->level;
+				++( expected ? before : others );
+			}
+		}
+	}
+	EXPECT_GT( before, 1000u );
+	EXPECT_GT( others, 1000u );
+}
