@@ -2,6 +2,8 @@
 // The joints by which a group moves certain frames: their poses, and the Jacobians of points on them.
 #include "ik/chain.hpp"
 
+#include <algorithm>
+
 namespace leeway::ik
 {
 namespace
@@ -18,6 +20,11 @@ void planeAxes( const Vector3d& z, Vector3d& x, Vector3d& y )
 bool turns( lw_joint_type type )
 {
 	return type == LW_JOINT_REVOLUTE || type == LW_JOINT_CONTINUOUS;
+}
+
+int freedomCount( lw_joint_type type )
+{
+	return type == LW_JOINT_PLANAR ? 3 : type == LW_JOINT_FLOATING ? 6 : 1;
 }
 
 } // namespace
@@ -90,6 +97,39 @@ ChainFrame Chain::add( const io::Frame& frame )
 	return result;
 }
 
+std::vector<bool> Chain::movesBetween( const ChainFrame& a, const ChainFrame& b ) const
+{
+	std::vector<int> paths( m_joints.size(), 0 ); // 1: to one of them; 2: to both
+	for ( const ChainFrame* frame : { &a, &b } )
+	{
+		for ( int i = frame->joint; i >= 0; i = m_joints[std::size_t( i )].parent )
+		{
+			++paths[std::size_t( i )];
+		}
+	}
+	std::vector<bool> moves( m_freedoms.size(), false );
+	for ( std::size_t i = 0; i < m_joints.size(); ++i )
+	{
+		if ( paths[i] == 1 )
+		{
+			std::fill_n( moves.begin() + m_joints[i].freedom, freedomCount( m_joints[i].type ), true );
+		}
+	}
+	return moves;
+}
+
+bool Chain::wholeTurns( std::size_t freedom ) const
+{
+	return std::all_of( m_joints.begin(), m_joints.end(),
+	    [&]( const Joint& joint )
+	    {
+		    const int k = static_cast<int>( freedom ) - joint.freedom;
+		    const bool of_plane = joint.type == LW_JOINT_PLANAR && k <= 2;
+		    const bool one = turns( joint.type ) && joint.multiplier == std::round( joint.multiplier );
+		    return k < 0 || k >= freedomCount( joint.type ) || ( of_plane ? k == 2 : k == 0 && one );
+	    } );
+}
+
 /// A moving joint is added, with those above it, and its index returned. Of a joint at rest the motion goes into `rest`,
 /// and -1 is returned.
 int Chain::addJoint( std::uint32_t joint, Pose& rest )
@@ -128,8 +168,7 @@ int Chain::addJoint( std::uint32_t joint, Pose& rest )
 	added.parent = parent.joint;
 	added.parent_from_joint = parent.pose;
 	m_joints.push_back( added );
-	const int freedoms = added.type == LW_JOINT_PLANAR ? 3 : added.type == LW_JOINT_FLOATING ? 6 : 1;
-	std::fill_n( m_moves.begin() + added.freedom, freedoms, true );
+	std::fill_n( m_moves.begin() + added.freedom, freedomCount( added.type ), true );
 	return m_known[joint] = static_cast<int>( m_joints.size() ) - 1;
 }
 
@@ -174,18 +213,17 @@ Pose Chain::pose( const ChainFrame& frame ) const
 	return frame.joint < 0 ? frame.pose : m_joints[std::size_t( frame.joint )].world_from_child * frame.pose;
 }
 
-void Chain::addJacobian(
-    const ChainFrame& frame, const Vector3d& point, double sign, Eigen::Matrix3Xd& linear, Eigen::Matrix3Xd& angular ) const
+void Chain::addJacobian( const ChainFrame& frame, const Vector3d& point, double sign, Eigen::Ref<Twists> twists ) const
 {
 	for ( int i = frame.joint; i >= 0; i = m_joints[std::size_t( i )].parent )
 	{
 		const Joint& joint = m_joints[std::size_t( i )];
 		const Vector3d arm = point - joint.world_from_child.t;
-		const auto slide = [&]( int freedom, const Vector3d& direction ) { linear.col( freedom ) += direction; };
+		const auto slide = [&]( int freedom, const Vector3d& direction ) { twists.col( freedom ).head<3>() += direction; };
 		const auto turn = [&]( int freedom, const Vector3d& axis )
 		{
-			linear.col( freedom ) += axis.cross( arm );
-			angular.col( freedom ) += axis;
+			twists.col( freedom ).head<3>() += axis.cross( arm );
+			twists.col( freedom ).tail<3>() += axis;
 		};
 		const Vector3d axis = sign * joint.multiplier * ( joint.world_from_child.r * joint.axis );
 		const Matrix3d before = sign * joint.world_from_joint.r;

@@ -29,6 +29,9 @@ struct ChainFrame
 	Pose pose;      ///< in the child frame of the joint, or in the planning frame
 };
 
+/// Columns of linear velocities above angular ones.
+using Twists = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
 class Chain
 {
 public:
@@ -42,16 +45,19 @@ public:
 	const std::vector<Freedom>& freedoms() const { return m_freedoms; }
 	/// True if the freedom moves one of the frames added so far.
 	bool moves( std::size_t freedom ) const { return m_moves[freedom]; }
+	const std::vector<bool>& moves() const { return m_moves; }
+	/// [freedoms] which move one frame in the other.
+	std::vector<bool> movesBetween( const ChainFrame& a, const ChainFrame& b ) const;
+	/// True if whole turns of the freedom leave all poses as they are.
+	bool wholeTurns( std::size_t freedom ) const;
 
 	/// Forward kinematics. @param q [variables of the group]
 	void place( const double* q );
 	/// After place(): the pose in the planning frame.
 	Pose pose( const ChainFrame& frame ) const;
 	/// After place(): adds `sign` times the velocity of a point that the frame carries, per velocity of each freedom.
-	/// @param point planning frame
-	/// @param linear, angular [3 x freedoms], planning frame
-	void addJacobian( const ChainFrame& frame, const Vector3d& point, double sign, Eigen::Matrix3Xd& linear,
-	    Eigen::Matrix3Xd& angular ) const;
+	/// @param point planning frame @param twists [6 x freedoms], planning frame
+	void addJacobian( const ChainFrame& frame, const Vector3d& point, double sign, Eigen::Ref<Twists> twists ) const;
 
 private:
 	struct Joint

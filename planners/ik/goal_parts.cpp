@@ -35,20 +35,6 @@ io::Frame findLink(
 	        lw_robot_link_count( robot ) > most ? fmt::format( ", ... ({} in all)", lw_robot_link_count( robot ) ) : "" ) );
 }
 
-std::vector<Interval> jointLimits( const io::Problem& problem )
-{
-	std::vector<Interval> limits;
-	for ( const std::uint32_t variable : problem.variables )
-	{
-		const lw_variable_info info = lw_robot_variable( problem.robot.get(), variable );
-		const bool quaternion =
-		    lw_robot_joint_type( problem.robot.get(), info.joint ) == LW_JOINT_FLOATING && info.component >= 3;
-		const bool free = info.wraps || quaternion;
-		limits.push_back( { free ? -HUGE_VAL : info.lower, free ? HUGE_VAL : info.upper, info.wraps } );
-	}
-	return limits;
-}
-
 /// A joint outside of the group has to be within its constraint already.
 void requireAtGoal( const io::Problem& problem, const io::JointGoal& goal, std::uint32_t variable, const std::string& file,
     const std::string& element )
@@ -110,6 +96,20 @@ void narrowJoints( const io::Problem& problem, const io::Request& request, std::
 }
 
 } // namespace
+
+std::vector<Interval> jointLimits( const io::Problem& problem )
+{
+	std::vector<Interval> limits;
+	for ( const std::uint32_t variable : problem.variables )
+	{
+		const lw_variable_info info = lw_robot_variable( problem.robot.get(), variable );
+		const bool quaternion =
+		    lw_robot_joint_type( problem.robot.get(), info.joint ) == LW_JOINT_FLOATING && info.component >= 3;
+		const bool free = info.wraps || quaternion;
+		limits.push_back( { free ? -HUGE_VAL : info.lower, free ? HUGE_VAL : info.upper, info.wraps } );
+	}
+	return limits;
+}
 
 std::string goalFile( const io::Request& request )
 {

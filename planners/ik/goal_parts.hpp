@@ -30,6 +30,9 @@ struct GoalParts
 	std::vector<Interval> joints;                          ///< the same, within the joint constraints
 };
 
+/// [variables of the group] infinite for joints without limits and for quaternions.
+std::vector<Interval> jointLimits( const io::Problem& problem );
+
 /// @throws io::Error, see findGoalStates()
 GoalParts goalParts( const io::Problem& problem, const io::Request& request );
 

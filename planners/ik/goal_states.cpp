@@ -98,8 +98,8 @@ void Search::setBounds( const std::vector<Interval>& intervals )
 {
 	const std::vector<Freedom>& freedoms = m_chain.freedoms();
 	const auto count = static_cast<Eigen::Index>( freedoms.size() );
-	m_goal.lower = m_goal.draw_lower = Eigen::VectorXd::Constant( count, -HUGE_VAL );
-	m_goal.upper = m_goal.draw_upper = Eigen::VectorXd::Constant( count, HUGE_VAL );
+	m_goal.bounds =
+	    m_goal.draw = { Eigen::VectorXd::Constant( count, -HUGE_VAL ), Eigen::VectorXd::Constant( count, HUGE_VAL ) };
 	for ( std::size_t i = 0; i < freedoms.size(); ++i )
 	{
 		const auto k = static_cast<Eigen::Index>( i );
@@ -116,16 +116,16 @@ void Search::setBounds( const std::vector<Interval>& intervals )
 		}
 		start = std::clamp( start, interval.lower, interval.upper );
 		m_start[freedoms[i].variable] = start;
-		m_goal.lower[k] = interval.lower;
-		m_goal.upper[k] = interval.upper;
+		m_goal.bounds.lower[k] = interval.lower;
+		m_goal.bounds.upper[k] = interval.upper;
 		if ( interval.upper - interval.lower > far_limits )
 		{
 			const double distance = interval.wraps ? pi : draw_distance;
 			interval.lower = std::max( interval.lower, start - distance );
 			interval.upper = std::min( interval.upper, start + distance );
 		}
-		m_goal.draw_lower[k] = m_chain.moves( i ) ? interval.lower : start;
-		m_goal.draw_upper[k] = m_chain.moves( i ) ? interval.upper : start;
+		m_goal.draw.lower[k] = m_chain.moves( i ) ? interval.lower : start;
+		m_goal.draw.upper[k] = m_chain.moves( i ) ? interval.upper : start;
 	}
 }
 
@@ -160,7 +160,8 @@ State Search::drawn( std::size_t search )
 	State q = m_start;
 	if ( search > 0 )
 	{
-		m_solver->draw( m_random, draw_shares[search % std::size( draw_shares )], q.data() );
+		draw( m_chain.freedoms(), m_chain.moves(), m_goal.draw, m_random, draw_shares[search % std::size( draw_shares )],
+		    q.data() );
 	}
 	return q;
 }

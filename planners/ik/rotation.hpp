@@ -42,6 +42,20 @@ inline Pose toPose( const lw_transform& transform )
 	return pose;
 }
 
+inline lw_transform toTransform( const Pose& pose )
+{
+	lw_transform transform;
+	for ( int i = 0; i < 3; ++i )
+	{
+		for ( int k = 0; k < 3; ++k )
+		{
+			transform.r[i][k] = pose.r( i, k );
+		}
+		transform.t[i] = pose.t[i];
+	}
+	return transform;
+}
+
 inline Pose inverse( const Pose& pose )
 {
 	return { pose.r.transpose(), -( pose.r.transpose() * pose.t ) };

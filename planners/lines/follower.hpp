@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// States along a reference: Newton steps keep a frame on it within the joint limits; a wish steers the joints that it leaves open.
+// States along a reference: descents keep a frame on it within the joint limits; a wish steers the joints that it leaves open.
 #pragma once
 
-#include "ik/chain.hpp"
+#include "ik/pose_errors.hpp"
 #include "leeway/lines/lines.hpp"
 
 namespace leeway::lines
@@ -23,9 +23,9 @@ public:
 	/// @throws io::Error (a floating joint; the group does not move the tip)
 	Follower( const io::RobotModel& robot, const io::Problem& problem, const Task& task );
 
-	std::size_t variables() const { return static_cast<std::size_t>( m_lower.size() ); }
-	const State& lower() const { return m_lower; } ///< infinite: none
-	const State& upper() const { return m_upper; }
+	std::size_t variables() const { return static_cast<std::size_t>( m_bounds.lower.size() ); }
+	const State& lower() const { return m_bounds.lower; } ///< infinite: none
+	const State& upper() const { return m_bounds.upper; }
 	/// The tip in the base.
 	lw_transform pose( const State& q );
 
@@ -45,17 +45,10 @@ public:
 	const Blame& blame() const { return m_blame; }
 
 private:
-	void place( const lw_region_def& reference, double fraction, const State& q );
-	State solved( const Eigen::VectorXd& wanted, const std::vector<bool>& fixed, double damping );
-
 	ik::Chain m_chain;
-	ik::ChainFrame m_tip, m_base;
-	bool m_free = false;
-	Eigen::Vector3d m_axis;
-	State m_lower, m_upper;
-	Eigen::Matrix3Xd m_linear, m_angular;
-	Eigen::MatrixXd m_jacobian, m_active; ///< [rows][variables]
-	Eigen::VectorXd m_error, m_flow;      ///< [rows] of the pose; of the reference, for each unit of the fraction
+	ik::PoseErrors m_errors;
+	ik::Descent m_descent;
+	ik::Bounds m_bounds;
 	Blame m_blame;
 };
 
