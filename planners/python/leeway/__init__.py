@@ -10,12 +10,12 @@
 Units are metres and radians. Batches run without the interpreter's lock; threads= spreads them over cores and changes no bit of an
 answer. Unusable input raises leeway.Error, which is a ValueError; an error never reads as free.
 """
-from ._core import (Checker, Cloud, CoreError, Error, Guard, InputError, Margins, Outcome, Padding, Reach, Robot, Scene, Shape, TimedWorld, Verdict, World,
+from ._core import (Checker, Cloud, CoreError, Error, Guard, InputError, Inverse, Margins, Outcome, Padding, Reach, Robot, Scene, Shape, TimedWorld, Verdict, World,
     check_spheres, depth, distance, pairs)
 from ._core import version as __version__
 from .pages import Page, view
-from .results import Clearances, Depth, DepthKind, Direction, Distance, GoalStates, GuardAnswer, GuardSpeed, Line, LinkSpheres, Motions, NearPairs, Plan, Timed
+from .results import Clearances, Depth, DepthKind, Direction, Distance, GoalStates, GuardAnswer, GuardSpeed, InverseFailure, InverseStates, Line, LinkSpheres, Motions, NearPairs, Plan, Timed
 
-__all__ = ["Checker", "Clearances", "Cloud", "CoreError", "Depth", "DepthKind", "Direction", "Distance", "Error", "GoalStates", "Guard", "GuardAnswer", "GuardSpeed", "InputError", "Line", "LinkSpheres", "Margins", "Motions", "NearPairs", "Outcome", "Padding",
+__all__ = ["Checker", "Clearances", "Cloud", "CoreError", "Depth", "DepthKind", "Direction", "Distance", "Error", "GoalStates", "Guard", "GuardAnswer", "GuardSpeed", "InputError", "Inverse", "InverseFailure", "InverseStates", "Line", "LinkSpheres", "Margins", "Motions", "NearPairs", "Outcome", "Padding",
     "Page", "Plan", "Reach", "Robot", "Scene", "Shape", "Timed", "TimedWorld", "Verdict", "World", "__version__", "check_spheres",
     "depth", "distance", "pairs", "view"]

@@ -179,6 +179,46 @@ class GoalStates(NamedTuple):
         return f"GoalStates({len(self.states)} states{'; ' + self.message if self.message else ''})"
 
 
+class InverseFailure(enum.IntEnum):
+    """Why a pose has no state."""
+    NONE = 0  #: it has states
+    UNREACHABLE = 1  #: no descent came to it, with or without joint limits
+    OUT_OF_LIMITS = 2  #: descents came to it outside of the joint limits alone
+    IN_COLLISION = 3  #: it has states, none with a clearance proved to be above min_d
+
+
+class InverseStates(NamedTuple):
+    """States that have poses: rows of all poses behind each other, the nearest to the start first, with `check` those above min_d before others."""
+    offsets: Array  #: int64 [n + 1]: rows of pose i are offsets[i] to offsets[i + 1]
+    states: Array  #: float64 [m, dof]: within the joint limits
+    lower: Array | None  #: float64 [m]: proved, every clearance of the state is at least this; None without `check`
+    upper: Array | None  #: float64 [m]: the clearance of the nearest pair; None without `check`
+    failures: Array  #: uint8 [n]: InverseFailure
+    metres: Array  #: float64 [n]: of a pose without states, the distance that the best descent leaves; else 0
+    radians: Array  #: float64 [n]: and its angle
+    messages: list[str]  #: [n] the reason and a remedy; empty where there is none
+
+    def rows(self, pose: int) -> slice:
+        """The rows of one pose."""
+        return slice(int(self.offsets[pose]), int(self.offsets[pose + 1]))
+
+    @property
+    def counts(self) -> Array:
+        """int64 [n]: states of each pose."""
+        return numpy.diff(self.offsets)
+
+    @property
+    def first(self) -> Array:
+        """float64 [n, dof]: the first state of each pose; NaN where there is none."""
+        first = numpy.full((len(self.failures), self.states.shape[1]), numpy.nan)
+        some = self.counts > 0
+        first[some] = self.states[self.offsets[:-1][some]]
+        return first
+
+    def __repr__(self) -> str:
+        return f"InverseStates({len(self.states)} states of {int((self.counts > 0).sum())} of {len(self.failures)} poses)"
+
+
 class Line(NamedTuple):
     """A frame's way along lines and arcs: cubics between points, proved. Only a solved one has points."""
     solved: bool

@@ -196,39 +196,80 @@ const double* vectorOf( const Doubles& numbers, std::size_t size, const char* na
 	return numbers.data();
 }
 
+namespace
+{
+
+/// Of 4 x 4 numbers.
+lw_transform ofMatrix( const double* p, const std::string& name )
+{
+	lw_transform pose;
+	for ( int i = 0; i < 3; ++i )
+	{
+		for ( int j = 0; j < 3; ++j )
+		{
+			pose.r[i][j] = p[4 * i + j];
+		}
+		pose.t[i] = p[4 * i + 3];
+	}
+	const bool bottom = p[12] == 0 && p[13] == 0 && p[14] == 0 && p[15] == 1;
+	if ( !bottom || !lw_transform_is_valid( &pose ) )
+	{
+		refuse( name + ": the matrix is no rigid motion; write rotation | translation over 0 0 0 1" );
+	}
+	return pose;
+}
+
+lw_transform ofQuaternion( const double* position, const double* quaternion, const std::string& name )
+{
+	lw_transform pose;
+	if ( lw_transform_from_quaternion( position, quaternion, &pose ) != LW_OK || !lw_transform_is_valid( &pose ) )
+	{
+		refuse( name + ": a number is not finite or too large, or the quaternion is zero" );
+	}
+	return pose;
+}
+
+} // namespace
+
 lw_transform poseOf( const Doubles& numbers, const char* name )
 {
-	lw_transform pose = lw_transform_identity();
 	const double* p = numbers.data();
 	if ( numbers.dimensions() == 2 && numbers.shape( 0 ) == 4 && numbers.shape( 1 ) == 4 )
 	{
-		for ( int i = 0; i < 3; ++i )
-		{
-			for ( int j = 0; j < 3; ++j )
-			{
-				pose.r[i][j] = p[4 * i + j];
-			}
-			pose.t[i] = p[4 * i + 3];
-		}
-		const bool bottom = p[12] == 0 && p[13] == 0 && p[14] == 0 && p[15] == 1;
-		if ( !bottom || !lw_transform_is_valid( &pose ) )
-		{
-			refuse( std::string( name ) + ": the matrix is no rigid motion; write rotation | translation over 0 0 0 1" );
-		}
-		return pose;
+		return ofMatrix( p, name );
 	}
 	if ( numbers.dimensions() == 1 && ( numbers.shape( 0 ) == 3 || numbers.shape( 0 ) == 7 ) )
 	{
 		const double none[4] = { 0, 0, 0, 1 };
-		const double* quaternion = numbers.shape( 0 ) == 7 ? p + 3 : none;
-		if ( lw_transform_from_quaternion( p, quaternion, &pose ) != LW_OK || !lw_transform_is_valid( &pose ) )
-		{
-			refuse( std::string( name ) + ": a number is not finite or too large, or the quaternion is zero" );
-		}
-		return pose;
+		return ofQuaternion( p, numbers.shape( 0 ) == 7 ? p + 3 : none, name );
 	}
 	refuse( std::string( name ) + ": shape " + shapeText( numbers ) +
 	        " is none of (4, 4), a matrix; (3,), a position; (7,), a position and a quaternion x, y, z, w" );
+}
+
+std::vector<lw_transform> posesOf( const Doubles& numbers, const char* name )
+{
+	const std::size_t dimensions = numbers.dimensions();
+	const bool matrices = dimensions == 3 && numbers.shape( 1 ) == 4 && numbers.shape( 2 ) == 4;
+	const bool one_matrix = dimensions == 2 && numbers.shape( 0 ) == 4 && numbers.shape( 1 ) == 4;
+	if ( dimensions == 1 || one_matrix )
+	{
+		return { poseOf( numbers, name ) };
+	}
+	if ( !matrices && !( dimensions == 2 && numbers.shape( 1 ) == 7 ) )
+	{
+		refuse( std::string( name ) + ": shape " + shapeText( numbers ) +
+		        " is none of (n, 4, 4), matrices; (n, 7), positions and quaternions x, y, z, w; or one pose" );
+	}
+	std::vector<lw_transform> poses;
+	poses.reserve( numbers.shape( 0 ) );
+	for ( std::size_t i = 0; i < numbers.shape( 0 ); ++i )
+	{
+		const double* p = numbers.data() + ( matrices ? 16 : 7 ) * i;
+		const std::string which = std::string( name ) + "[" + std::to_string( i ) + "]";
+		poses.push_back( matrices ? ofMatrix( p, which ) : ofQuaternion( p, p + 3, which ) );
+	}
+	return poses;
 }
 
 lw_transform poseOrIdentity( const nb::object& pose, const char* name )

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <initializer_list>
 #include <string>
+#include <vector>
 
 namespace leeway::python
 {
@@ -81,6 +82,8 @@ const double* vectorOf( const Doubles& numbers, std::size_t size, const char* na
 /// A pose: 4 x 4 matrix; or position [3]; or position and quaternion x, y, z, qx, qy, qz, qw [7].
 /// @throws nb::value_error for another shape, a matrix that is no rigid motion, or a number that is not finite
 lw_transform poseOf( const Doubles& numbers, const char* name );
+/// Poses in order: 4 x 4 matrices [n, 4, 4], positions and quaternions [n, 7], or one as for poseOf(). @throws nb::value_error naming the index
+std::vector<lw_transform> posesOf( const Doubles& numbers, const char* name );
 /// As poseOf(); None is the identity.
 lw_transform poseOrIdentity( const nb::object& pose, const char* name );
 /// Writes the 4 x 4 matrix of a transform.

@@ -59,5 +59,6 @@ NB_MODULE( _core, module )
 	bindCheckers( module );
 	bindTimedWorlds( module );
 	bindGuards( module );
+	bindInverses( module );
 	bindViews( module );
 }

@@ -159,6 +159,7 @@ void bindPlans( nb::module_& module, nb::class_<PyChecker>& type );
 void bindReach( nb::module_& module );
 void bindTimedWorlds( nb::module_& module );
 void bindGuards( nb::module_& module );
+void bindInverses( nb::module_& module );
 void bindViews( nb::module_& module );
 
 /// The __reduce__ of classes that hold proofs and caches of one process: pickle, copy and multiprocessing call it. @throws nb::type_error
