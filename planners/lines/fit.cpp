@@ -106,7 +106,7 @@ bool Fit::step( const Leg& leg, const Wish& wish, std::uint32_t to )
 		for ( ;; )
 		{
 			const double from = fractionOf( last.place ), fraction = fractionOf( next ), way = fraction - from;
-			const State rate = m_follower.rate( leg.def, from, last.q, m_follower.drift( last.q, wish ) );
+			const State rate = m_follower.rate( leg.def, from, last.q, m_follower.drift( last.q, wish, from ) );
 			const Follower::Blame fastest = m_follower.blame();
 			const State there = ( last.q + way * rate ).cwiseMax( m_follower.lower() ).cwiseMin( m_follower.upper() );
 			State q = there;

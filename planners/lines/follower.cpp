@@ -14,6 +14,7 @@ using Eigen::Vector3d;
 
 constexpr double least_damping = 1e-14;
 constexpr double near_limit = 0.12; // share of a joint's range
+constexpr double last_way = 0.05;   // fraction of a way before whose end joints that arrive slow down
 
 Vector3d toVector( const lw_vec3& v )
 {
@@ -94,9 +95,13 @@ State Follower::rate( const lw_region_def& def, double fraction, const State& q,
 	return rate;
 }
 
-State Follower::drift( const State& q, const Wish& wish ) const
+State Follower::drift( const State& q, const Wish& wish, double fraction ) const
 {
 	State drift = State::Zero( q.size() );
+	if ( wish.arrives )
+	{
+		return ( wish.posture - q ) / std::max( 1 - fraction, last_way );
+	}
 	for ( Eigen::Index i = 0; i < q.size(); ++i )
 	{
 		if ( wish.strength > 0 )

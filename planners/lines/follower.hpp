@@ -10,11 +10,12 @@ namespace leeway::lines
 
 using State = Eigen::VectorXd;
 
-/// A way of the joints that the reference leaves open: towards a posture, so strongly.
+/// A way of the joints that the reference leaves open: towards a posture, so strongly, or so that they arrive there at its end.
 struct Wish
 {
 	State posture;
 	double strength = 0;
+	bool arrives = false;
 };
 
 class Follower
@@ -34,7 +35,7 @@ public:
 	/// The joints' speeds for each unit of the fraction: the needs of the reference, and beside them `hint`.
 	State rate( const lw_region_def& reference, double fraction, const State& q, const State& hint );
 	/// Speeds of the joints by a wish and by near limits, for each unit of the fraction, before the reference's needs.
-	State drift( const State& q, const Wish& wish ) const;
+	State drift( const State& q, const Wish& wish, double fraction ) const;
 
 	struct Blame
 	{

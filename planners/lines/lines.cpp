@@ -15,11 +15,14 @@ namespace
 
 constexpr double first_length = 0.12, first_turn = 0.4; // metres and radians between the first states of a part
 constexpr std::uint32_t least_first_states = 4;
-constexpr double far_limits = 100;   // radians or metres: postures are drawn about the start instead
-constexpr double same_start = 0.02;  // two starts that differ by less in every joint are one
-constexpr int most_draws = 60;       // of starts that have the pose
-constexpr double peak_of_mean = 1.5; // speed of the fraction in its middle
-constexpr double no_way = 1e-9;      // metres and radians
+constexpr double far_limits = 100;                   // radians or metres: postures are drawn about the start instead
+constexpr double same_start = 0.02;                  // two starts that differ by less in every joint are one
+constexpr int most_draws = 60, most_end_draws = 200; // of starts and of ends that have their pose
+constexpr std::size_t most_ends = 16;
+constexpr int back_steps = 16;
+constexpr std::size_t few_attempts = 8; // if no state has the last pose: to see where the way ends
+constexpr double peak_of_mean = 1.5;    // speed of the fraction in its middle
+constexpr double no_way = 1e-9;         // metres and radians
 
 double length( const lw_vec3& v )
 {
@@ -83,9 +86,9 @@ public:
 
 	Result run()
 	{
-		const std::size_t needs = m_task.free_axis ? 5 : 6;
-		const bool one_way = !m_task.any_start && m_follower.variables() <= needs;
-		while ( !m_result.solved && m_result.attempts < ( one_way ? 1 : m_settings.attempts ) && attempt() )
+		const bool one_way = !m_task.any_start && !isRedundant();
+		const auto most = [&] { return m_no_end ? std::min( few_attempts, m_settings.attempts ) : m_settings.attempts; };
+		while ( !m_result.solved && m_result.attempts < ( one_way ? 1 : most() ) && attempt() )
 		{
 		}
 		m_result.windows = m_fit.windows();
@@ -157,7 +160,67 @@ private:
 		return q;
 	}
 
-	/// A start that no attempt had. @return false: none was found
+	bool isRedundant() const { return m_follower.variables() > ( m_task.free_axis ? 5u : 6u ); }
+
+	/// States at the end of the way, those that are free if some are: postures from which a way comes to the end.
+	void findEnds()
+	{
+		std::vector<State> blocked;
+		for ( int draw = 0; draw < most_end_draws && m_ends.size() < most_ends; ++draw )
+		{
+			State q = drawn();
+			if ( m_follower.correct( m_legs.back().def, 1, q ) )
+			{
+				( m_fit.isFree( m_legs.back(), 1, q ) ? m_ends : blocked ).push_back( q );
+			}
+		}
+		m_no_end = m_ends.empty() && blocked.empty();
+	}
+
+	/// Moves a state at the end of the way to its start, by steps that change the joints least. @return false: it does not come there
+	bool stepBack( State& q )
+	{
+		for ( auto leg = m_legs.rbegin(); leg != m_legs.rend(); ++leg )
+		{
+			for ( int i = back_steps - 1; i >= 0; --i )
+			{
+				if ( !m_follower.correct( leg->def, static_cast<double>( i ) / back_steps, q ) )
+				{
+					return false;
+				}
+			}
+		}
+		return true;
+	}
+
+	/// Start and wish of an attempt: the first from the given start without a wish; then in turn towards a state at the end, and with redundant
+	/// joints towards a random posture. @return false: no start was found
+	bool findWay( State& q, Wish& wish )
+	{
+		if ( m_result.attempts == 1 )
+		{
+			findEnds();
+		}
+		q = m_start;
+		wish.posture = q;
+		const bool to_end = !m_ends.empty() && m_result.attempts % 2 == 1;
+		if ( to_end || ( m_result.attempts > 0 && isRedundant() ) )
+		{
+			wish.posture = to_end ? m_ends[m_random.below( m_ends.size() )] : drawn();
+			wish.arrives = to_end && m_legs.size() == 1;
+			wish.strength = m_random.between( 0, 4 );
+		}
+		if ( !m_task.any_start )
+		{
+			return true;
+		}
+		State back = wish.posture;
+		const bool found = to_end && m_result.attempts % 4 == 1 && stepBack( back );
+		q = found ? back : q;
+		return found || findStart( q );
+	}
+
+	/// A start that no attempt had, or any known one for other postures. @return false: none was found
 	bool findStart( State& q )
 	{
 		for ( int draw = 0; draw < most_draws; ++draw )
@@ -176,14 +239,20 @@ private:
 				return true;
 			}
 		}
+		if ( isRedundant() && !m_starts.empty() )
+		{
+			q = m_starts[m_random.below( m_starts.size() )];
+			return true;
+		}
 		return false;
 	}
 
 	/// @return false: no other attempt is of use
 	bool attempt()
 	{
-		State q = m_start;
-		if ( m_task.any_start && !findStart( q ) )
+		State q;
+		Wish wish;
+		if ( !findWay( q, wish ) )
 		{
 			if ( !m_reached )
 			{
@@ -192,13 +261,6 @@ private:
 				m_result.stop.position = { t[0], t[1], t[2] };
 			}
 			return false;
-		}
-		Wish wish;
-		wish.posture = q;
-		if ( m_result.attempts > 0 && m_follower.variables() > ( m_task.free_axis ? 5u : 6u ) )
-		{
-			wish.posture = drawn();
-			wish.strength = m_random.between( 0, 4 );
 		}
 		++m_result.attempts;
 		std::vector<std::vector<Piece>> pieces( m_legs.size() );
@@ -297,7 +359,8 @@ private:
 	State m_start;
 	std::vector<Leg> m_legs;
 	std::vector<std::size_t> m_numbers; ///< of each leg: the part of the way
-	std::vector<State> m_starts;
+	std::vector<State> m_starts, m_ends;
+	bool m_no_end = false; ///< no state has the last pose, as far as findEnds() sees
 	bool m_reached = false;
 	Result m_result;
 };

@@ -46,6 +46,16 @@ TEST( WrongLines, TheEndOfTheReachIsNotNamed )
 	EXPECT_EQ( 6u, r.stop.q.size() );
 }
 
+TEST( WrongLines, AnUnreachableEndIsTriedInEveryPosture )
+{
+	LineWorld world( sevenAxisArm() );
+	world.task.waypoints = { { placed( 0.35, 0, 0.4 ) }, { placed( 1.5, 0, 0.4 ) } };
+	const lines::Result r = world.plan();
+	ASSERT_FALSE( r.solved );
+	EXPECT_LE( r.attempts, 8u );
+	EXPECT_GT( r.stop.fraction, 0.05 );
+}
+
 TEST( WrongLines, ALimitOfAJointIsNotNamed )
 {
 	LineWorld world( sixAxisArm() );
