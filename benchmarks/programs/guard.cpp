@@ -10,19 +10,17 @@
 #include "planning/generated_problems.hpp"
 #include "programs/commands.hpp"
 #include "support/edge_worlds.hpp"
+#include "support/running_motion.hpp"
 #include "support/provenance.hpp"
 #include "support/race.hpp"
 #include "support/temporary_folder.hpp"
 
 #include "edge_auditor.hpp"
-#include "owned_clock.hpp"
 #include "seeded_rng.hpp"
 
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
-#include <functional>
 #include <map>
 
 namespace
@@ -39,57 +37,6 @@ struct Settings
 	std::uint64_t seed = 20260101;
 	bool quick = false;
 };
-
-/// Of this thread on the processor: other programs on the machine would decide about the slowest hundredth.
-double threadMicroseconds()
-{
-	timespec time = {};
-	clock_gettime( CLOCK_THREAD_CPUTIME_ID, &time );
-	return 1e6 * static_cast<double>( time.tv_sec ) + 1e-3 * static_cast<double>( time.tv_nsec );
-}
-
-double microseconds( const std::function<void()>& work )
-{
-	const double start = threadMicroseconds();
-	work();
-	return threadMicroseconds() - start;
-}
-
-/// Straight pieces of half a second that are free, one after the other.
-OwnedClock freeMotion( const EdgeWorld& world, int pieces, SeededRng& rng )
-{
-	const leeway::Query query = leeway::makeQuery( world.with_tables.get() );
-	const lw_edge_def def = lw_edge_def_default();
-	OwnedClock clock;
-	clock.rest = world.home.empty() ? world.group( world.reference ) : world.home;
-	OwnedTrack track;
-	std::vector<double> at = clock.rest;
-	for ( std::uint32_t i = 0; i < at.size(); ++i )
-	{
-		track.variables.push_back( i );
-	}
-	for ( int tries = 0; tries < 5000 && static_cast<int>( track.pieces.size() ) < pieces; ++tries )
-	{
-		std::vector<double> to = at;
-		for ( std::size_t i = 0; i < to.size(); ++i )
-		{
-			const lw_variable_info info = lw_robot_variable( world.robot.get(), world.variables[i] );
-			to[i] = std::clamp( to[i] + rng.uniform( -0.4, 0.4 ), info.lower, info.upper );
-		}
-		lw_edge_result r;
-		leeway::require( lw_checker_edge( world.with_tables.get(), query.get(), at.data(), to.data(), &def, &r ), "edge" );
-		if ( r.verdict == LW_VERDICT_FREE )
-		{
-			const double start = 0.5 * static_cast<double>( track.pieces.size() );
-			OwnedPiece piece = { start, start + 0.5, 1, at };
-			piece.points.insert( piece.points.end(), to.begin(), to.end() );
-			track.pieces.push_back( piece );
-			at = to;
-		}
-	}
-	clock.tracks.push_back( track );
-	return clock;
-}
 
 /// Where a random body of the robot will be at a random time.
 lw_vec3 placeOfABody( const EdgeWorld& world, const OwnedTrack& track, SeededRng& rng )
@@ -239,13 +186,6 @@ struct Histogram
 	}
 };
 
-leeway::GuardHandle makeGuard( const lw_guard_def& def )
-{
-	lw_guard* made = nullptr;
-	leeway::require( lw_guard_create( &def, nullptr, nullptr, &made ), "lw_guard_create" );
-	return leeway::GuardHandle( made );
-}
-
 lw_guard_def guardDef( const EdgeWorld& world, const lw_clock& clock, double end )
 {
 	lw_guard_def def = lw_guard_def_default();
@@ -256,20 +196,10 @@ lw_guard_def guardDef( const EdgeWorld& world, const lw_clock& clock, double end
 	return def;
 }
 
-/// The checker of another scene.
-leeway::Checker edited( const lw_checker* checker, const lw_scene* scene )
-{
-	lw_checker_edit_def edit = lw_checker_edit_def_default();
-	edit.scene = scene;
-	lw_checker* made = nullptr;
-	leeway::require( lw_checker_edit( checker, &edit, nullptr, nullptr, &made ), "lw_checker_edit" );
-	return leeway::Checker::adopt( made );
-}
-
 /// A controller at 1 kHz, which drives the motion again and again, and gives each answer at most half a millisecond; a camera at 30 Hz.
 void cycle( const EdgeWorld& world, const Settings& settings, int cycles, SeededRng& rng, Histogram& histogram )
 {
-	OwnedClock clock = freeMotion( world, settings.pieces, rng );
+	OwnedClock clock = freeMotion( world, world.with_tables.get(), settings.pieces, rng );
 	if ( clock.tracks[0].pieces.empty() )
 	{
 		return;
@@ -297,7 +227,7 @@ void cycle( const EdgeWorld& world, const Settings& settings, int cycles, Seeded
 
 void drive( const EdgeWorld& world, const Settings& settings, int changes, SeededRng& rng, Times& times )
 {
-	OwnedClock clock = freeMotion( world, settings.pieces, rng );
+	OwnedClock clock = freeMotion( world, world.with_tables.get(), settings.pieces, rng );
 	if ( clock.tracks[0].pieces.empty() )
 	{
 		return;

@@ -5,15 +5,14 @@
 // follows the robot. Processor time of the thread. When that is over, nanoflann builds its k-d tree of the points of each frame, and octomap inserts the same
 // points at the same resolution by insertPointCloud(): as it is, and discretized with inner nodes updated once. The first frame grows octomap's tree and is not
 // counted. octomap leaves millions of small free pieces of memory that whoever allocates next has to join: 0.9 s for a k-d tree of 11 ms. So the peers come last, each
-// after malloc_trim(). States and edges are checked in the cloud's scene and beside one point set of all its voxels.
+// after malloc_trim(). A guard proves a motion of three seconds anew after each frame. States and edges are checked in the cloud's scene and beside one point set of all its voxels.
 // Exit status 1 if a point of a frame is in no occupied voxel, or an answer of the two scenes differs.
 #include "programs/commands.hpp"
 #include "support/depth_camera.hpp"
 #include "support/edge_worlds.hpp"
 #include "support/provenance.hpp"
 #include "support/race.hpp"
-
-#include "seeded_rng.hpp"
+#include "support/running_motion.hpp"
 
 #include <cstdio>
 #include <functional>
@@ -41,16 +40,6 @@ struct CloudReleaser
 {
 	void operator()( lw_cloud* cloud ) const { lw_cloud_destroy( cloud ); }
 };
-
-double microseconds( const std::function<void()>& work )
-{
-	timespec begin = {}, end = {};
-	clock_gettime( CLOCK_THREAD_CPUTIME_ID, &begin );
-	work();
-	clock_gettime( CLOCK_THREAD_CPUTIME_ID, &end );
-	return 1e6 * static_cast<double>( end.tv_sec - begin.tv_sec ) +
-	       1e-3 * static_cast<double>( end.tv_nsec - begin.tv_nsec );
-}
 
 /// Something that the camera sees.
 struct Seen
@@ -280,15 +269,6 @@ leeway::Scene oneSetOf( const lw_cloud* cloud )
 	return leeway::Scene::adopt( scene );
 }
 
-leeway::Checker edited( const leeway::Checker& checker, const lw_scene* scene )
-{
-	lw_checker_edit_def def = lw_checker_edit_def_default();
-	def.scene = scene;
-	lw_checker* out = nullptr;
-	leeway::require( lw_checker_edit( checker.get(), &def, nullptr, nullptr, &out ), "lw_checker_edit" );
-	return leeway::Checker::adopt( out );
-}
-
 /// The same states and edges of both checkers, taking turns.
 void askStates( const EdgeWorld& world, const leeway::Checker& chunks, const leeway::Checker& one, int states,
     SeededRng& rng, Times& times )
@@ -365,7 +345,7 @@ struct Run
 {
 	Run( const EdgeWorld& of, const Settings& s )
 	    : settings( s ), world( of ), room( of, s ), cloud( makeCloud( s, false ) ), as_points( makeCloud( s, false ) ),
-	      blocked( makeCloud( s, true ) ), checker( edited( of.with_tables, nullptr ) ), full( of.reference )
+	      blocked( makeCloud( s, true ) ), checker( edited( of.with_tables.get(), nullptr ) ), full( of.reference )
 	{
 	}
 	const Settings& settings;
@@ -376,6 +356,10 @@ struct Run
 	leeway::Checker checker;
 	std::vector<double> full;
 	Times times;
+	OwnedClock motion; ///< that runs while frames come in
+	leeway::GuardHandle guard;
+	std::uint64_t worlds = 0; ///< that the guard was given
+	std::size_t guarded = 0;  ///< answers FREE
 };
 
 void note( Times& times, bool measured, const char* what, double value )
@@ -393,6 +377,40 @@ leeway::Scene sceneOf( lw_cloud* cloud )
 	return leeway::Scene::adopt( scene );
 }
 
+/// A motion of three seconds in the cloud as it is, and its guard.
+void beginMotion( Run& run )
+{
+	run.motion = freeMotion( run.world, run.checker.get(), 6, run.room.rng() );
+	if ( run.motion.tracks[0].pieces.empty() )
+	{
+		throw std::runtime_error( "live: no free motion in the cloud: give another --seed" );
+	}
+	const lw_clock clock = run.motion.view();
+	lw_guard_def def = lw_guard_def_default();
+	def.checker = run.checker.get();
+	def.clock = &clock;
+	def.end = run.motion.tracks[0].pieces.back().end;
+	def.window = def.end;
+	def.spare_shapes = 1000;
+	run.guard = makeGuard( def );
+	lw_guard_answer answer;
+	leeway::require( lw_guard_ask( run.guard.get(), 0, INFINITY, &answer ), "lw_guard_ask" );
+}
+
+/// Is the whole motion still free, in the cloud with the last frame?
+void askGuard( Run& run )
+{
+	note( run.times, true, "publish a frame to a guard",
+	    microseconds(
+	        [&] {
+		        leeway::require( lw_guard_publish( run.guard.get(), run.checker.get(), ++run.worlds, nullptr ), "publish" );
+	        } ) );
+	lw_guard_answer answer;
+	note( run.times, true, "answer of the guard",
+	    microseconds( [&] { leeway::require( lw_guard_ask( run.guard.get(), 0, INFINITY, &answer ), "lw_guard_ask" ); } ) );
+	run.guarded += answer.verdict == LW_VERDICT_FREE ? 1 : 0;
+}
+
 /// The same frame as a depth image and as points.
 void takeFrame( Run& run, const lw_cloud_frame& frame, const std::vector<float>& points, bool measured )
 {
@@ -406,8 +424,16 @@ void takeFrame( Run& run, const lw_cloud_frame& frame, const std::vector<float>&
 		times.rebuilt.push_back( lw_cloud_get_info( run.cloud.get() ).rebuilt );
 	}
 	leeway::Checker next;
-	note( times, measured, "edit of the checker", microseconds( [&] { next = edited( run.checker, scene.get() ); } ) );
+	note( times, measured, "edit of the checker", microseconds( [&] { next = edited( run.checker.get(), scene.get() ); } ) );
 	run.checker = next;
+	if ( measured )
+	{
+		if ( run.guard == nullptr )
+		{
+			beginMotion( run );
+		}
+		askGuard( run );
+	}
 	lw_cloud_frame listed = frame;
 	listed.depth.data = nullptr;
 	listed.points = {
@@ -477,12 +503,13 @@ int run( const Settings& s, Result& result )
 	{
 		drive( all, k, warm, warm + ( s.quick ? 3 : 30 ) );
 	}
-	const leeway::Checker one = edited( all.checker, oneSetOf( all.cloud.get() ).get() );
+	const leeway::Checker one = edited( all.checker.get(), oneSetOf( all.cloud.get() ).get() );
 	askStates( all.world, all.checker, one, s.quick ? 40 : s.states, all.room.rng(), all.times );
 	tidyMemory();
 	askNanoflann( all.for_peers, all.times );
 	askOctomap( all.for_peers, s.resolution, false, all.times );
 	askOctomap( all.for_peers, s.resolution, true, all.times );
+	std::printf( "the guard proved %zu of %llu frames free\n", all.guarded, static_cast<unsigned long long>( all.worlds ) );
 	return report( all.times, lw_cloud_get_info( all.cloud.get() ), result );
 }
 
