@@ -216,22 +216,6 @@ std::vector<ConstraintProof> proveConstraints( const io::PathConstraints& path, 
 	return all;
 }
 
-std::string describe( const std::vector<ConstraintProof>& proofs )
-{
-	std::string text;
-	for ( const ConstraintProof& proof : proofs )
-	{
-		text += motions::describe( proof );
-	}
-	return text;
-}
-
-bool areKept( const std::vector<ConstraintProof>& proofs )
-{
-	return std::all_of(
-	    proofs.begin(), proofs.end(), []( const ConstraintProof& proof ) { return proof.verdict == LW_VERDICT_FREE; } );
-}
-
 Json toJson( const std::vector<ConstraintProof>& proofs )
 {
 	Json json = Json::array();
@@ -364,7 +348,7 @@ int runTrajectoryAudit( const AuditOptions& options )
 		}
 	}
 	const std::vector<ConstraintProof> constraints = proveConstraints( path, driver );
-	std::string told = describe( constraints );
+	std::string told = motions::describe( constraints );
 	std::vector<OutputFile*> out;
 	if ( !options.report.empty() )
 	{

@@ -217,17 +217,7 @@ Matrix3d OrientationConstraint::rotation( const Vector3d& angles ) const
 /// Column i: the angular velocity, in the frame of the link, of angle i.
 Matrix3d OrientationConstraint::turnsOfAngles( const Vector3d& angles ) const
 {
-	if ( !isEuler() )
-	{
-		return rightJacobian( angles );
-	}
-	const Matrix3d yaw = Eigen::AngleAxisd( -angles.z(), Vector3d::UnitZ() ).toRotationMatrix();
-	const Matrix3d pitch = Eigen::AngleAxisd( -angles.y(), Vector3d::UnitY() ).toRotationMatrix();
-	Matrix3d turns;
-	turns.col( 0 ) = yaw * pitch.col( 0 );
-	turns.col( 1 ) = yaw.col( 1 );
-	turns.col( 2 ) = Vector3d::UnitZ();
-	return turns;
+	return isEuler() ? turnsOfEulerXyz( angles ) : rightJacobian( angles );
 }
 
 double OrientationConstraint::excess( const Pose& link, const Pose& frame ) const

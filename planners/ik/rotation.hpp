@@ -121,4 +121,16 @@ inline Matrix3d rightJacobian( const Vector3d& v )
 	       ( angle - std::sin( angle ) ) / ( angle * angle * angle ) * cross * cross;
 }
 
+/// Column i: the angular velocity, in the frame that turns, of angle i of Rx(a) Ry(b) Rz(c).
+inline Matrix3d turnsOfEulerXyz( const Vector3d& angles )
+{
+	const Matrix3d yaw = Eigen::AngleAxisd( -angles.z(), Vector3d::UnitZ() ).toRotationMatrix();
+	const Matrix3d pitch = Eigen::AngleAxisd( -angles.y(), Vector3d::UnitY() ).toRotationMatrix();
+	Matrix3d turns;
+	turns.col( 0 ) = yaw * pitch.col( 0 );
+	turns.col( 1 ) = yaw.col( 1 );
+	turns.col( 2 ) = Vector3d::UnitZ();
+	return turns;
+}
+
 } // namespace leeway::ik

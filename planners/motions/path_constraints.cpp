@@ -61,8 +61,8 @@ lw_region_def defOf( const io::Problem& problem, const io::PathConstraints& path
 	return def;
 }
 
-ConstraintProof proveRegion( const io::Problem& problem, const io::PathConstraints& path, const std::string& element,
-    const lw_region_def& def, const std::vector<Segment>& segments, const std::vector<double>& tolerance )
+Region regionOf(
+    const io::Problem& problem, const io::PathConstraints& path, const std::string& element, const lw_region_def& def )
 {
 	lw_diag diag = {};
 	lw_region* made = nullptr;
@@ -70,15 +70,24 @@ ConstraintProof proveRegion( const io::Problem& problem, const io::PathConstrain
 	{
 		throw io::Error( path.file, element, diag.message, "give a constraint with room" );
 	}
-	const Region region( made );
+	return Region( made );
+}
+
+ConstraintProof proveRegion( const io::Problem& problem, const PoseConstraint& constraint,
+    const std::vector<Segment>& segments, const std::vector<double>& tolerance )
+{
+	ConstraintProof proof;
+	proof.element = constraint.element;
+	if ( !constraint.region ) // any orientation will do
+	{
+		return proof;
+	}
 	const auto count = static_cast<std::uint32_t>( problem.variables.size() );
 	std::vector<std::uint32_t> variables( count );
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
 		variables[i] = i;
 	}
-	ConstraintProof proof;
-	proof.element = element;
 	for ( const Segment& segment : segments )
 	{
 		const lw_timed_piece piece = { 0, 1, segment.degree, segment.points.data() };
@@ -90,7 +99,7 @@ ConstraintProof proveRegion( const io::Problem& problem, const io::PathConstrain
 		track.tolerance = tolerance.empty() ? nullptr : tolerance.data();
 		const lw_clock clock = { &track, 1, segment.points.data() };
 		lw_region_result r;
-		require( lw_region_timed( region.get(), &clock, nullptr, 0, 1, &r ), element.c_str() );
+		require( lw_region_timed( constraint.region.get(), &clock, nullptr, 0, 1, &r ), constraint.element.c_str() );
 		if ( r.verdict != LW_VERDICT_FREE )
 		{
 			proof.verdict = r.verdict;
@@ -150,42 +159,55 @@ lw_verdict within( const std::vector<double>& points, const Range& range, double
 	return first == LW_VERDICT_FREE ? within( right, range, middle, to, halvings + 1, at ) : first;
 }
 
-ConstraintProof proveJoint( const io::Problem& problem, const io::PathConstraints& path, const io::JointGoal& goal,
-    const std::vector<Segment>& segments, const std::vector<double>& tolerance )
+JointRange rangeOf( const io::Problem& problem, const io::PathConstraints& path, const io::JointGoal& goal )
 {
-	ConstraintProof proof;
-	proof.element = "path_constraints.joint_constraints " + goal.joint;
-	proof.error = "joint " + goal.joint;
+	JointRange range;
+	range.element = "path_constraints.joint_constraints " + goal.joint;
+	range.joint = goal.joint;
 	if ( !( goal.tolerance_above + goal.tolerance_below > 0 ) )
 	{
 		throw io::Error(
-		    path.file, proof.element, "tolerances of 0 leave no room", "give tolerance_above or tolerance_below" );
+		    path.file, range.element, "tolerances of 0 leave no room", "give tolerance_above or tolerance_below" );
 	}
 	const std::uint32_t variable = variableOf( problem.robot.get(), goal.joint );
 	if ( variable == LW_INVALID_INDEX )
 	{
-		throw io::Error( path.file, proof.element, "the robot has no such joint", "name one of its joints" );
+		throw io::Error( path.file, range.element, "the robot has no such joint", "name one of its joints" );
 	}
 	const auto entry = std::find( problem.variables.begin(), problem.variables.end(), variable );
-	const bool moves = entry != problem.variables.end();
-	const auto v = static_cast<std::size_t>( entry - problem.variables.begin() );
-	const bool wraps = lw_robot_variable( problem.robot.get(), variable ).wraps;
+	range.moves = entry != problem.variables.end();
+	range.entry = static_cast<std::size_t>( entry - problem.variables.begin() );
+	range.stands = problem.reference[variable];
+	range.wraps = lw_robot_variable( problem.robot.get(), variable ).wraps;
+	range.middle = goal.position;
+	range.below = goal.tolerance_below;
+	range.above = goal.tolerance_above;
+	return range;
+}
+
+ConstraintProof proveJoint( const io::Problem& problem, const JointRange& joint, const std::vector<Segment>& segments,
+    const std::vector<double>& tolerance )
+{
+	ConstraintProof proof;
+	proof.element = joint.element;
+	proof.error = "joint " + joint.joint;
+	const std::size_t v = joint.entry;
 	for ( const Segment& segment : segments )
 	{
 		std::vector<double> points;
 		for ( unsigned k = 0; k <= segment.degree; ++k )
 		{
-			points.push_back( moves ? segment.points[k * problem.variables.size() + v] : problem.reference[variable] );
+			points.push_back( joint.moves ? segment.points[k * problem.variables.size() + v] : joint.stands );
 		}
-		const double turns = wraps ? 2 * M_PI * std::round( ( points.front() - goal.position ) / ( 2 * M_PI ) ) : 0;
-		const Range range = { goal.position + turns - goal.tolerance_below, goal.position + turns + goal.tolerance_above,
-		    moves && !tolerance.empty() ? tolerance[v] : 0 };
+		const double turns = joint.turnsAt( points.front() );
+		const Range range = { joint.middle + turns - joint.below, joint.middle + turns + joint.above,
+		    joint.moves && !tolerance.empty() ? tolerance[v] : 0 };
 		double at = 0;
 		proof.verdict = within( points, range, 0, 1, 0, at );
 		if ( proof.verdict != LW_VERDICT_FREE )
 		{
 			proof.time = segment.begin + at * segment.seconds;
-			const double value = moves ? stateAt( { segment }, proof.time )[v] : points.front();
+			const double value = joint.moves ? stateAt( { segment }, proof.time )[v] : points.front();
 			proof.value = value - turns;
 			proof.excess = std::max( range.lower - value, value - range.upper );
 			return proof;
@@ -196,28 +218,75 @@ ConstraintProof proveJoint( const io::Problem& problem, const io::PathConstraint
 
 } // namespace
 
-std::vector<ConstraintProof> proveConstraints( const io::Problem& problem, const io::PathConstraints& path,
-    const std::vector<Segment>& segments, const std::vector<double>& tolerance )
+double JointRange::turnsAt( double value ) const
 {
-	std::vector<ConstraintProof> proofs;
+	return wraps ? 2 * M_PI * std::round( ( value - middle ) / ( 2 * M_PI ) ) : 0;
+}
+
+BoundConstraints::BoundConstraints( const io::Problem& problem, const io::PathConstraints& path ) : m_problem( &problem )
+{
 	for ( const io::JointGoal& goal : path.joints )
 	{
-		proofs.push_back( proveJoint( problem, path, goal, segments, tolerance ) );
+		m_joints.push_back( rangeOf( problem, path, goal ) );
 	}
 	for ( const io::PositionGoal& goal : path.positions )
 	{
 		const lw_region_def def = defOf( problem, path, goal );
-		proofs.push_back( proveRegion( problem, path, goal.element, def, segments, tolerance ) );
+		m_poses.push_back( { goal.element, def, regionOf( problem, path, goal.element, def ) } );
 	}
 	for ( const io::OrientationGoal& goal : path.orientations )
 	{
 		const bool free = *std::min_element( goal.tolerance.begin(), goal.tolerance.end() ) >= M_PI;
 		const lw_region_def def = defOf( problem, path, goal );
-		ConstraintProof nothing; // any orientation will do
-		nothing.element = goal.element;
-		proofs.push_back( free ? nothing : proveRegion( problem, path, goal.element, def, segments, tolerance ) );
+		m_poses.push_back( { goal.element, def, free ? Region() : regionOf( problem, path, goal.element, def ) } );
+	}
+}
+
+std::vector<ConstraintProof> BoundConstraints::prove(
+    const std::vector<Segment>& segments, const std::vector<double>& tolerance ) const
+{
+	std::vector<ConstraintProof> proofs;
+	for ( const JointRange& joint : m_joints )
+	{
+		proofs.push_back( proveJoint( *m_problem, joint, segments, tolerance ) );
+	}
+	for ( const PoseConstraint& pose : m_poses )
+	{
+		proofs.push_back( proveRegion( *m_problem, pose, segments, tolerance ) );
 	}
 	return proofs;
+}
+
+bool BoundConstraints::areKept( const Segment& segment ) const
+{
+	const std::vector<Segment> one = { segment };
+	const auto kept = [&]( const ConstraintProof& proof ) { return proof.verdict == LW_VERDICT_FREE; };
+	return std::all_of( m_joints.begin(), m_joints.end(),
+	           [&]( const JointRange& joint ) { return kept( proveJoint( *m_problem, joint, one, {} ) ); } ) &&
+	       std::all_of( m_poses.begin(), m_poses.end(),
+	           [&]( const PoseConstraint& pose ) { return kept( proveRegion( *m_problem, pose, one, {} ) ); } );
+}
+
+std::vector<ConstraintProof> proveConstraints( const io::Problem& problem, const io::PathConstraints& path,
+    const std::vector<Segment>& segments, const std::vector<double>& tolerance )
+{
+	return BoundConstraints( problem, path ).prove( segments, tolerance );
+}
+
+bool areKept( const std::vector<ConstraintProof>& proofs )
+{
+	return std::all_of(
+	    proofs.begin(), proofs.end(), []( const ConstraintProof& proof ) { return proof.verdict == LW_VERDICT_FREE; } );
+}
+
+std::string describe( const std::vector<ConstraintProof>& proofs )
+{
+	std::string text;
+	for ( const ConstraintProof& proof : proofs )
+	{
+		text += describe( proof );
+	}
+	return text;
 }
 
 std::string describe( const ConstraintProof& proof )
