@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A straight piece is tried first. Else states are projected one by one, and cubics with tangents of the manifold join them; halves where that fails.
+#include "walk.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace leeway::manifold
+{
+namespace
+{
+
+constexpr double longest_step = 0.6, first_step = 0.3, least_step = 0.01; // of states that are projected, in joint space
+constexpr double step_growth = 1.5;
+constexpr double most_drift = 0.5; // of a step, by projection
+constexpr double least_gain = 0.1; // of a step, towards the end of the walk
+constexpr int most_halvings = 5;   // of a cubic
+constexpr int length_parts = 8;
+constexpr double no_length = 1e-12;
+
+} // namespace
+
+// ---- pieces
+
+State Piece::control( std::size_t i ) const
+{
+	const std::size_t count = variables();
+	return Eigen::Map<const State>( points.data() + i * count, static_cast<Eigen::Index>( count ) );
+}
+
+State Piece::at( double t ) const
+{
+	const double s = 1 - t;
+	return degree == 1 ? State( s * control( 0 ) + t * control( 1 ) )
+	                   : State( s * s * s * control( 0 ) + 3 * s * s * t * control( 1 ) + 3 * s * t * t * control( 2 ) +
+	                            t * t * t * control( 3 ) );
+}
+
+Piece Piece::part( double from, double to ) const
+{
+	if ( degree == 1 )
+	{
+		return straightPiece( at( from ), at( to ) );
+	}
+	const auto rate = [this]( double t )
+	{
+		const double s = 1 - t;
+		return State( 3 * s * s * ( control( 1 ) - control( 0 ) ) + 6 * s * t * ( control( 2 ) - control( 1 ) ) +
+		              3 * t * t * ( control( 3 ) - control( 2 ) ) );
+	};
+	return cubicPiece( at( from ), ( to - from ) * rate( from ), at( to ), ( to - from ) * rate( to ) );
+}
+
+double Piece::length() const
+{
+	if ( degree == 1 )
+	{
+		return ( last() - first() ).norm();
+	}
+	double sum = 0;
+	State before = first();
+	for ( int i = 1; i <= length_parts; ++i )
+	{
+		const State now = at( static_cast<double>( i ) / length_parts );
+		sum += ( now - before ).norm();
+		before = now;
+	}
+	return sum;
+}
+
+void Piece::reverse()
+{
+	const Piece forward = *this;
+	points.clear();
+	for ( std::size_t i = degree + 1; i-- > 0; )
+	{
+		const State p = forward.control( i );
+		points.insert( points.end(), p.data(), p.data() + p.size() );
+	}
+}
+
+void Piece::shift( const State& by )
+{
+	const std::size_t count = variables();
+	for ( std::size_t i = 0; i < points.size(); ++i )
+	{
+		points[i] += by[static_cast<Eigen::Index>( i % count )];
+	}
+}
+
+Piece straightPiece( const State& a, const State& b )
+{
+	Piece piece;
+	piece.points.assign( a.data(), a.data() + a.size() );
+	piece.points.insert( piece.points.end(), b.data(), b.data() + b.size() );
+	return piece;
+}
+
+Piece cubicPiece( const State& a, const State& from, const State& b, const State& to )
+{
+	Piece piece;
+	piece.degree = 3;
+	const State inner[2] = { a + from / 3, b - to / 3 };
+	for ( const State* p : { &a, &inner[0], &inner[1], &b } )
+	{
+		piece.points.insert( piece.points.end(), p->data(), p->data() + p->size() );
+	}
+	return piece;
+}
+
+double lengthOf( const std::vector<Piece>& pieces )
+{
+	double sum = 0;
+	for ( const Piece& piece : pieces )
+	{
+		sum += piece.length();
+	}
+	return sum;
+}
+
+// ---- walks
+
+Walker::Walker( Manifold& manifold, const io::Problem& problem, const lw_edge_def& edge, lw_query* query )
+    : m_manifold( manifold ), m_problem( problem ), m_edge( edge ), m_query( query ),
+      m_lower( Eigen::Map<const State>( manifold.lower(), static_cast<Eigen::Index>( manifold.variables() ) ) ),
+      m_upper( Eigen::Map<const State>( manifold.upper(), static_cast<Eigen::Index>( manifold.variables() ) ) )
+{
+	for ( const std::uint32_t variable : problem.variables )
+	{
+		m_wraps.push_back( lw_robot_variable( problem.robot.get(), variable ).wraps );
+	}
+}
+
+State Walker::nearestTurns( const State& a, const State& b ) const
+{
+	State q = b;
+	for ( std::size_t i = 0; i < m_wraps.size(); ++i )
+	{
+		const auto k = static_cast<Eigen::Index>( i );
+		q[k] = m_wraps[i] ? a[k] + std::remainder( b[k] - a[k], 2 * M_PI ) : b[k];
+	}
+	return q;
+}
+
+bool Walker::isFree( const State& q )
+{
+	bool free = false;
+	require( lw_checker_is_free( m_problem.checker.get(), m_query, q.data(), m_edge.flags, m_edge.min_d, &free, nullptr ),
+	    "clearance of a state" );
+	++m_counts.states;
+	return free;
+}
+
+/// Joint limits hold at control points, so on the curve too. Ends may be beyond by the tolerance of starts.
+bool Walker::isWithin( const Piece& piece ) const
+{
+	const State ends[2] = { piece.first(), piece.last() };
+	const State lower = m_lower.cwiseMin( ends[0] ).cwiseMin( ends[1] ),
+	            upper = m_upper.cwiseMax( ends[0] ).cwiseMax( ends[1] );
+	for ( std::size_t i = 0; i <= piece.degree; ++i )
+	{
+		const State p = piece.control( i );
+		if ( ( p.array() < lower.array() ).any() || ( p.array() > upper.array() ).any() )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+bool Walker::isKept( const Piece& piece )
+{
+	++m_counts.proofs;
+	const motions::Segment segment = { 0, 1, piece.degree, piece.points };
+	return isWithin( piece ) && m_manifold.constraints().areKept( segment );
+}
+
+bool Walker::isClear( const Piece& piece )
+{
+	lw_edge_result r;
+	require( lw_checker_curve( m_problem.checker.get(), m_query, piece.points.data(), piece.degree, &m_edge, &r ),
+	    "clearance of a motion" );
+	m_counts.queries += r.queries;
+	const bool clear = r.verdict == LW_VERDICT_FREE;
+	m_counts.proved += clear ? 1 : 0;
+	m_counts.bent += clear && piece.degree > 1 ? 1 : 0;
+	return clear;
+}
+
+/// Proved pieces from a to b: a straight one, else a cubic along the manifold, else two halves.
+bool Walker::join( const State& a, const State& b, int halvings, std::vector<Piece>& out )
+{
+	const Piece straight = straightPiece( a, b );
+	if ( isKept( straight ) )
+	{
+		const bool clear = isClear( straight );
+		clear ? out.push_back( straight ) : void();
+		return clear;
+	}
+	State from = b - a, to = b - a;
+	m_manifold.makeTangent( a.data(), from.data() );
+	m_manifold.makeTangent( b.data(), to.data() );
+	const double chord = ( b - a ).norm();
+	if ( !( from.norm() > no_length ) || !( to.norm() > no_length ) )
+	{
+		return false;
+	}
+	const Piece bent = cubicPiece( a, chord / from.norm() * from, b, chord / to.norm() * to );
+	if ( isKept( bent ) )
+	{
+		const bool clear = isClear( bent );
+		clear ? out.push_back( bent ) : void();
+		return clear;
+	}
+	if ( halvings == most_halvings )
+	{
+		return false;
+	}
+	State middle = bent.at( 0.5 );
+	++m_counts.projections;
+	const std::size_t before = out.size();
+	const bool joined = m_manifold.project( middle.data() ) && ( middle - a ).norm() < chord &&
+	                    ( middle - b ).norm() < chord && join( a, middle, halvings + 1, out ) &&
+	                    join( middle, b, halvings + 1, out );
+	joined ? void() : out.resize( before );
+	return joined;
+}
+
+/// A state on the manifold, one step towards the end. @return false: there is none
+bool Walker::step( const State& q, const State& to, double length, State& next )
+{
+	State direction = to - q;
+	const double gap = direction.norm();
+	m_manifold.makeTangent( q.data(), direction.data() );
+	if ( !( direction.norm() > least_gain * gap ) )
+	{
+		return false;
+	}
+	const State ahead = q + length / direction.norm() * direction;
+	next = ahead;
+	++m_counts.projections;
+	return m_manifold.project( next.data() ) && ( next - ahead ).norm() < most_drift * length &&
+	       ( to - next ).norm() < gap - least_gain * length && isFree( next );
+}
+
+bool Walker::walk( const State& a, const State& b, double most, std::vector<Piece>& out )
+{
+	const State to = nearestTurns( a, b );
+	State q = a;
+	double length = std::min( first_step, most ), left = most;
+	const Piece straight = straightPiece( a, to );
+	const double gap = ( to - a ).norm();
+	if ( !( gap > no_length ) )
+	{
+		out.push_back( straight );
+		return true;
+	}
+	if ( gap <= most && isProved( straight ) )
+	{
+		out.push_back( straight );
+		return true;
+	}
+	while ( left > least_step )
+	{
+		const bool near = ( to - q ).norm() <= std::min( length, left );
+		if ( near && join( q, to, 0, out ) )
+		{
+			return true;
+		}
+		State next;
+		if ( near || !step( q, to, std::min( length, left ), next ) || !join( q, next, 0, out ) )
+		{
+			length = 0.5 * std::min( length, ( to - q ).norm() );
+			if ( length < least_step )
+			{
+				return false;
+			}
+			continue;
+		}
+		left -= ( next - q ).norm();
+		q = next;
+		length = std::min( step_growth * length, longest_step );
+	}
+	return false;
+}
+
+} // namespace leeway::manifold

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Motions that keep constraints, piece by piece: straight where that is proved, else cubics along the manifold.
+#pragma once
+
+#include "leeway/manifold/manifold.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <vector>
+
+namespace leeway::manifold
+{
+
+using State = Eigen::VectorXd;
+
+/// A proved motion: a Bezier curve of the group's variables, of degree 1 or 3. Angles go on without wrapping.
+struct Piece
+{
+	unsigned degree = 1;
+	std::vector<double> points; ///< [degree + 1][variables]
+
+	std::size_t variables() const { return points.size() / ( degree + 1 ); }
+	State control( std::size_t i ) const;
+	State first() const { return control( 0 ); }
+	State last() const { return control( degree ); }
+	State at( double t ) const;
+	/// Control points of the part between two parameters.
+	Piece part( double from, double to ) const;
+	/// Length, from a chain of points on it.
+	double length() const;
+	void reverse();
+	void shift( const State& by );
+};
+
+Piece straightPiece( const State& a, const State& b );
+/// @param from, to derivatives at the ends
+Piece cubicPiece( const State& a, const State& from, const State& b, const State& to );
+
+double lengthOf( const std::vector<Piece>& pieces );
+
+/// Work of a Walker.
+struct WalkCounts
+{
+	std::uint64_t proofs = 0, proved = 0;  ///< of pieces
+	std::uint64_t bent = 0;                ///< of these proved, cubics
+	std::uint64_t states = 0, queries = 0; ///< tested one by one; by proofs of clearances
+	std::uint64_t projections = 0;
+};
+
+class Walker
+{
+public:
+	/// All have to outlive it.
+	Walker( Manifold& manifold, const io::Problem& problem, const lw_edge_def& edge, lw_query* query );
+
+	/// Goes from a towards b. Angles that wrap go the shorter way.
+	/// @param a keeps the constraints, and so does b if it is to be reached
+	/// @param most length of the way
+	/// @param out proved pieces, appended; the first begins at a
+	/// @return true: the last piece ends at b, up to whole turns of angles that wrap
+	bool walk( const State& a, const State& b, double most, std::vector<Piece>& out );
+	/// Proves constraints and clearances of a motion.
+	bool isProved( const Piece& piece ) { return isKept( piece ) && isClear( piece ); }
+	/// Only clearances.
+	bool isClear( const Piece& piece );
+	bool isFree( const State& q );
+	/// b, with wrapping angles in the turns that are nearest to a.
+	State nearestTurns( const State& a, const State& b ) const;
+	const WalkCounts& counts() const { return m_counts; }
+
+private:
+	bool isKept( const Piece& piece );
+	bool isWithin( const Piece& piece ) const;
+	bool join( const State& a, const State& b, int halvings, std::vector<Piece>& out );
+	bool step( const State& q, const State& to, double length, State& next );
+
+	Manifold& m_manifold;
+	const io::Problem& m_problem;
+	const lw_edge_def& m_edge;
+	lw_query* m_query;
+	std::vector<bool> m_wraps;
+	State m_lower, m_upper;
+	WalkCounts m_counts;
+};
+
+} // namespace leeway::manifold

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Plans of small arms with cups, planes and lines, judged at dense times; starts, goals and constraints that cannot be.
+#include "manifold_world.hpp"
+
+namespace
+{
+
+const double any = 4; // radians: no limit
+const Vector before = { -0.8, 0.6, 0.2, -1.2, 0.1, 0.5, 0.3 };
+
+/// The state that keeps the constraints and is nearest to another.
+Vector kept( const ManifoldWorld& world, Vector q )
+{
+	manifold::Manifold manifold( world.robot, world.problem, world.path );
+	EXPECT_TRUE( manifold.project( q.data() ) );
+	EXPECT_TRUE( manifold.violations( q.data() ).empty() );
+	return q;
+}
+
+/// From one state to another, both led to the constraints.
+void planBetween( ManifoldWorld& world, const Vector& from, const Vector& to )
+{
+	world.task.start = kept( world, from );
+	world.task.goals = { kept( world, to ) };
+}
+
+} // namespace
+
+TEST( ConstrainedPlan, ACupTiltsOnItsWay )
+{
+	ManifoldWorld world( sevenAxisArm() );
+	world.keepOrientation( "hand", before, { 0.1, 0.1, any } );
+	planBetween( world, before, { 0.9, 0.3, -0.4, -1.5, 0.5, 0.2, -0.4 } );
+	world.expectKept( world.plan() );
+}
+
+TEST( ConstrainedPlan, AThinPlaneIsLeft )
+{
+	for ( const double half : { 1e-2, 1e-3, 1e-4 } )
+	{
+		ManifoldWorld world( sevenAxisArm() );
+		world.keepPlace( "hand", before, { 4, 4, 2 * half } );
+		planBetween( world, before, { 0.9, 0.3, -0.4, -1.5, 0.5, 0.2, -0.4 } );
+		const manifold::Result r = world.plan();
+		world.expectKept( r );
+	}
+}
+
+TEST( ConstrainedPlan, AHandThatMayOnlySlideTurns )
+{
+	using Kind = io::OrientationGoal::Parameterization;
+	for ( const Kind kind : { Kind::euler_xyz, Kind::rotation_vector } )
+	{
+		ManifoldWorld world( sevenAxisArm() );
+		world.keepOrientation( "hand", before, { 1e-3, 1e-3, 1e-3 }, kind );
+		world.keepPlace( "hand", before, { 4, 1e-3, 1e-3 } );
+		Vector to = before;
+		to[0] += 0.15;
+		planBetween( world, before, to );
+		world.expectKept( world.plan() );
+	}
+}
+
+TEST( ConstrainedPlan, AStartThatBreaksThemIsTaken )
+{
+	ManifoldWorld world( sevenAxisArm() );
+	world.keepOrientation( "hand", before, { 0.1, 0.1, any } );
+	planBetween( world, before, { 0.9, 0.3, -0.4, -1.5, 0.5, 0.2, -0.4 } );
+	world.task.start[5] += 0.4;
+	const manifold::Result broken = world.plan();
+	EXPECT_EQ( manifold::Outcome::START_BROKEN, broken.outcome );
+	ASSERT_FALSE( broken.reasons.empty() );
+	EXPECT_NE( std::string::npos, broken.reasons[0].find( "path_constraints.orientation_constraints[0] hand: turn" ) )
+	    << broken.reasons[0];
+	world.task.mend_start = true;
+	const manifold::Result mended = world.plan();
+	ASSERT_TRUE( mended.solved() ) << manifold::describe( mended );
+	EXPECT_GT( mended.mended, 0 );
+	EXPECT_LT( mended.mended_distance, 0.5 );
+	EXPECT_EQ( world.task.start, Vector( mended.segments[0].points.begin(), mended.segments[0].points.begin() + 7 ) );
+	std::vector<motions::Segment> later;
+	for ( const motions::Segment& segment : mended.segments )
+	{
+		segment.begin >= mended.mended - 1e-9 ? later.push_back( segment ) : void();
+	}
+	ASSERT_LT( later.size(), mended.segments.size() );
+	EXPECT_LE( world.worst( later, 50 ), 0 );
+	EXPECT_GT( world.worst( mended.segments, 50 ), 0.1 );
+}
+
+TEST( ConstrainedPlan, AGoalThatBreaksThemIsTaken )
+{
+	ManifoldWorld world( sevenAxisArm() );
+	world.keepOrientation( "hand", before, { 0.1, 0.1, any } );
+	planBetween( world, before, before );
+	world.task.goals[0][5] += 0.4;
+	const manifold::Result r = world.plan();
+	EXPECT_EQ( manifold::Outcome::GOALS_BROKEN, r.outcome );
+	EXPECT_FALSE( r.reasons.empty() );
+}
+
+TEST( ConstrainedPlan, ConstraintsThatExcludeEachOtherAreSearchedUntilTheTimeIsOver )
+{
+	ManifoldWorld world( sevenAxisArm() );
+	world.keepPlace( "hand", before, { 0.1, 0.1, 0.1 } );
+	world.keepPlace( "hand", before, { 0.1, 0.1, 0.1 } );
+	world.path.positions[1].regions[0].pose.t[0] += 0.5;
+	world.task.start = before;
+	world.task.goals = { before };
+	EXPECT_EQ( manifold::Outcome::EXCLUDED, world.plan().outcome );
+}
+
+TEST( ConstrainedPlan, AJointLeavesItsRange )
+{
+	ManifoldWorld world( sevenAxisArm() );
+	world.path.joints.push_back( { "j4", -1.3, 0.3, 0.3 } );
+	world.keepOrientation( "hand", before, { 0.3, 0.3, any } );
+	planBetween( world, before, { 0.9, 0.3, -0.4, -1.5, 0.5, 0.2, -0.4 } );
+	world.expectKept( world.plan() );
+	world.path.joints[0].tolerance_above = world.path.joints[0].tolerance_below = 0;
+	EXPECT_THROW( world.plan(), io::Error );
+}
+
+TEST( ConstrainedPlan, AJointThatWrapsGoesTheLongWay )
+{
+	ManifoldWorld world( sevenAxisArm( "continuous" ) );
+	world.keepOrientation( "hand", before, { 0.1, 0.1, any } );
+	Vector from = before, to = before;
+	from[6] = 3;
+	to[6] = -3;
+	planBetween( world, from, to );
+	const manifold::Result r = world.plan();
+	world.expectKept( r );
+	EXPECT_LT( r.length, 1.5 );
+}
+
+TEST( ConstrainedPlan, EqualSeedsGiveOtherPlans )
+{
+	ManifoldWorld world( sevenAxisArm() );
+	world.keepPlace( "hand", before, { 4, 4, 2e-3 } );
+	planBetween( world, before, { 0.9, 0.3, -0.4, -1.5, 0.5, 0.2, -0.4 } );
+	const manifold::Result a = world.plan(), b = world.plan();
+	ASSERT_TRUE( a.solved() && b.solved() );
+	ASSERT_EQ( a.segments.size(), b.segments.size() );
+	for ( std::size_t k = 0; k < a.segments.size(); ++k )
+	{
+		EXPECT_EQ( a.segments[k].points, b.segments[k].points );
+	}
+}
+
+TEST( Manifold, DerivativesAreThoseOfOtherErrors )
+{
+	SeededRng rng( 11 );
+	for ( int round = 0; round < 40; ++round )
+	{
+		ManifoldWorld world( sevenAxisArm() );
+		const Vector at = world.randomState( rng );
+		using Kind = io::OrientationGoal::Parameterization;
+		world.keepOrientation( "hand", at, { 1e-3, 0.01, 0.01 }, round % 2 == 0 ? Kind::euler_xyz : Kind::rotation_vector,
+		    round % 3 == 0 ? "j2_link" : "" );
+		world.keepPlace( "hand", at, { 1e-3, 1e-3, 1e-3 }, round % 5 == 0 ? "j1_link" : "" );
+		manifold::Manifold manifold( world.robot, world.problem, world.path );
+		ASSERT_EQ( 6u, manifold.thinRows() );
+		Vector q = at;
+		for ( double& value : q )
+		{
+			value += rng.uniform( -0.1, 0.1 );
+		}
+		Vector values( 6 ), jacobian( 42 ), up( 6 ), down( 6 );
+		manifold.errors( q.data(), values.data(), jacobian.data() );
+		for ( std::size_t v = 0; v < 7; ++v )
+		{
+			const double step = 1e-6;
+			Vector other = q;
+			other[v] += step;
+			manifold.errors( other.data(), up.data(), nullptr );
+			other[v] -= 2 * step;
+			manifold.errors( other.data(), down.data(), nullptr );
+			for ( std::size_t r = 0; r < 6; ++r )
+			{
+				EXPECT_NEAR( ( up[r] - down[r] ) / ( 2 * step ), jacobian[7 * r + v], 1e-7 )
+				    << round << " " << r << " " << v;
+			}
+		}
+	}
+}
