@@ -64,7 +64,8 @@ private:
 	std::mutex m_mutex;
 };
 
-// An end of the request must be inside the limits and free, else no planner can help.
+} // namespace
+
 void requireUsable( const PlanOptions& options, const Workbench& bench, const EndPlace& end, const std::vector<double>& q )
 {
 	const auto wrong = [&end]( const std::string& problem, const std::string& remedy )
@@ -114,6 +115,9 @@ void requireUsable( const PlanOptions& options, const Workbench& bench, const En
 		        self.first, self.second ) );
 	}
 }
+
+namespace
+{
 
 lw_edge_def edgeDef( const PlanOptions& options )
 {
@@ -547,6 +551,8 @@ private:
 	double m_range = 0;                              // suits the robot; 0: spaces with rotations
 };
 
+} // namespace
+
 double timeLimit( const PlanOptions& options, const io::Request& request )
 {
 	constexpr double most = 1e9; // seconds: OMPL counts nanoseconds in 64 bits
@@ -555,6 +561,9 @@ double timeLimit( const PlanOptions& options, const io::Request& request )
 	                                                          : 60;
 	return std::min( wanted, most );
 }
+
+namespace
+{
 
 ik::GoalStates solvePoses( const PlanOptions& options, const Input& input, const Workbench& bench, const PlanEnds& ends )
 {
@@ -698,10 +707,21 @@ Audit auditSolution(
 	return audit;
 }
 
+bool isConstrained( const PlanOptions& options )
+{
+	io::PathConstraints path;
+	options.common.request.empty() ? io::Request() : io::loadConstrainedRequest( options.common.request, path );
+	return !path.empty();
+}
+
 } // namespace
 
 int runPlan( const PlanOptions& options )
 {
+	if ( isConstrained( options ) )
+	{
+		return runConstrainedPlan( options );
+	}
 	Notices notices( options.common.verbose );
 	planners::requireThreads( planners::findPlanner( plannersOf( options ).front() ), options.threads );
 	JointLimits limits = limitsOfFile( options.joint_limits );

@@ -5,6 +5,7 @@
 #include "leeway/motions/path_file.hpp"
 #include "motions/report.hpp"
 #include "commands/page_file.hpp"
+#include "program/ends.hpp"
 
 #include "leeway/ik/goal_states.hpp"
 #include "leeway/ompl/validity.hpp"
@@ -56,6 +57,11 @@ struct Solution
 	ik::GoalStates goals;                               // of a pose goal
 	double ik_seconds = 0;
 };
+
+/// An end of the request must be inside the limits and free, else no planner can help. @throws io::Error naming the end
+void requireUsable( const PlanOptions& options, const Workbench& bench, const EndPlace& end, const std::vector<double>& q );
+/// Seconds for planning.
+double timeLimit( const PlanOptions& options, const io::Request& request );
 
 /// Sum of the distances between neighbouring points.
 double lengthOf( const Workbench& bench, const Points& points );

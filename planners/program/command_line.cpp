@@ -227,6 +227,8 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	    "--simplify", [&options]( std::int64_t ) { options.simplify = true; }, "shorten the path (default)" ) );
 	rare( command->add_flag_function(
 	    "--no-simplify", [&options]( std::int64_t ) { options.simplify = false; }, "do not shorten the path" ) );
+	rare( command->add_flag( "--mend-start", options.mend_start,
+	    "with path_constraints: a start that breaks them is led to them by a first motion, proved free" ) );
 	rare( command->add_option( "--resolution", options.resolution, "metres: resolution of the audit (default 0.0001)" )
 	          ->type_name( "M" ) );
 	command->add_option( "--out", options.out, "the path; without it, standard output" )->type_name( "path.yaml" );

@@ -146,6 +146,7 @@ struct PlanOptions
 	std::uint32_t threads = 0;           ///< of the planner; 0 = its own choice
 	std::vector<std::string> parameters; ///< of the planner, NAME=VALUE
 	bool simplify = true;
+	bool mend_start = false; ///< of a request with path_constraints
 	double resolution = 1e-4; ///< metres, of the audit
 	bool list_planners = false;
 	std::string others;  ///< a world file: the command line then is one of leeway world plan, and this is empty
@@ -278,6 +279,7 @@ int runCheck( const CheckOptions& options );
 int runEdge( const EdgeCommandOptions& options );
 int runPlan( const PlanOptions& options );
 int runLine( const PlanOptions& options );
+int runConstrainedPlan( const PlanOptions& options );
 int runAudit( const AuditOptions& options );
 int runTrajectoryAudit( const AuditOptions& options );
 int runReferee( const RefereeOptions& options );

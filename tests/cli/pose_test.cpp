@@ -129,7 +129,7 @@ TEST_F( CliPose, AGoalInCollisionNamesThePair )
 	EXPECT_TRUE( contains( outcome.err, "none is free" ) && contains( outcome.err, "fore - " ) ) << outcome.err;
 }
 
-TEST_F( CliPose, ConstraintsOfThePathAreRefusedByName )
+TEST_F( CliPose, ConstraintsOfThePathWithoutRoomAreRefusedByName )
 {
 	writeRequest( "pose.yaml", 0.4, 0.4 );
 	edit( "pose.yaml", "group_name: arm\n",

@@ -125,8 +125,48 @@ TEST_F( CliConstraints, ConstraintsThatNoProofKnowsAreLeftOut )
 
 TEST_F( CliConstraints, APlannerLeavesThemOut )
 {
-	audit( joint( 2, 2 ) ); // writes the request
-	const Outcome plan = runModel( "plan", { "--request", "q.yaml", "--out", "path.yaml" } );
-	EXPECT_EQ( plan.status, 2 );
-	EXPECT_TRUE( contains( plan.err, "path_constraints.joint_constraints[0] shoulder" ) ) << plan.err;
+	audit( joint( 2, 2 ) + box( 1.7 ) ); // writes the request
+	const Outcome plan = runModel(
+	    "plan", { "--request", "q.yaml", "--trajectory", "plan.json", "--report", "report.json" }, "blocked.yaml" );
+	ASSERT_EQ( plan.status, 0 ) << plan.err;
+	EXPECT_TRUE( contains( plan.out, "kept at all times, proved" ) ) << plan.out;
+	const auto report = nlohmann::json::parse( readFile( path( "report.json" ) ) );
+	EXPECT_TRUE( report["good"].get<bool>() );
+	ASSERT_EQ( 2u, report["path_constraints"].size() );
+	const Outcome again = runModel( "audit", { "--trajectory", "plan.json", "--request", "q.yaml" }, "blocked.yaml" );
+	EXPECT_EQ( again.status, 0 ) << again.out << again.err;
+	// A narrower box than the free plan keeps
+	const Outcome narrow = runModel( "audit", { "--trajectory", "plan.json", "--request", "q.yaml", "--tolerance", "2" } );
+	EXPECT_EQ( narrow.status, 1 );
+}
+
+TEST_F( CliConstraints, AStartThatBreaksThemIsPlannedFrom )
+{
+	audit( joint( 0.8, 1.2 ) ); // it starts at -1
+	const Outcome broken = runModel( "plan", { "--request", "q.yaml", "--trajectory", "plan.json" } );
+	EXPECT_EQ( broken.status, 2 );
+	EXPECT_TRUE( contains( broken.err, "joint shoulder is -1, by 0.2 beyond its limit" ) ) << broken.err;
+	EXPECT_TRUE( contains( broken.err, "--mend-start" ) ) << broken.err;
+	const Outcome mended = runModel( "plan", { "--request", "q.yaml", "--trajectory", "plan.json", "--mend-start" } );
+	EXPECT_EQ( mended.status, 0 ) << mended.err;
+	EXPECT_TRUE( contains( mended.out, "the motion leads the start to the constraints" ) ) << mended.out;
+	EXPECT_EQ( 1, runModel( "audit", { "--trajectory", "plan.json", "--request", "q.yaml" } ).status );
+}
+
+TEST_F( CliConstraints, GoalsAndOptionsThatCannotBeAreTaken )
+{
+	audit( joint( 1.2, 0.8 ) ); // the goal is 1
+	const Outcome goal = runModel( "plan", { "--request", "q.yaml", "--trajectory", "plan.json" } );
+	EXPECT_EQ( goal.status, 2 );
+	EXPECT_TRUE( contains( goal.err, "goal_constraints" ) ) << goal.err;
+	audit( joint( 2, 2 ) );
+	for ( const std::vector<std::string>& more : { std::vector<std::string>{ "--out", "path.yaml" }, { "--planner", "RRT" },
+	          { "--optimize", "1" }, { "--validator", "steps" }, { "--certificate", "c" }, { "--view", "v.html" } } )
+	{
+		std::vector<std::string> arguments = { "--request", "q.yaml" };
+		arguments.insert( arguments.end(), more.begin(), more.end() );
+		const Outcome outcome = runModel( "plan", arguments );
+		EXPECT_EQ( outcome.status, 2 ) << more[0];
+		EXPECT_TRUE( contains( outcome.err, more[0] ) ) << outcome.err;
+	}
 }
