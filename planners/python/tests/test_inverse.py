@@ -3,7 +3,7 @@
 import numpy
 import pytest
 import leeway
-from test_lines import JOINTS, arm  # noqa: F401  (a fixture)
+from test_lines import arm  # noqa: F401  (a fixture)
 
 DOWN = [1, 0, 0, 0]
 
