@@ -16,7 +16,7 @@ constexpr std::uint32_t most_places = 1 << 13;
 struct Leg
 {
 	lw_region_def def;
-	Region region;
+	RegionHandle region;
 	double length = 0;                      ///< metres, of the tip's way
 	std::uint32_t first_step = most_places; ///< places between the first states
 };

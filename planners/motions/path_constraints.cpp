@@ -61,7 +61,7 @@ lw_region_def defOf( const io::Problem& problem, const io::PathConstraints& path
 	return def;
 }
 
-Region regionOf(
+RegionHandle regionOf(
     const io::Problem& problem, const io::PathConstraints& path, const std::string& element, const lw_region_def& def )
 {
 	lw_diag diag = {};
@@ -70,7 +70,7 @@ Region regionOf(
 	{
 		throw io::Error( path.file, element, diag.message, "give a constraint with room" );
 	}
-	return Region( made );
+	return RegionHandle( made );
 }
 
 ConstraintProof proveRegion( const io::Problem& problem, const PoseConstraint& constraint,
@@ -238,7 +238,7 @@ BoundConstraints::BoundConstraints( const io::Problem& problem, const io::PathCo
 	{
 		const bool free = *std::min_element( goal.tolerance.begin(), goal.tolerance.end() ) >= M_PI;
 		const lw_region_def def = defOf( problem, path, goal );
-		m_poses.push_back( { goal.element, def, free ? Region() : regionOf( problem, path, goal.element, def ) } );
+		m_poses.push_back( { goal.element, def, free ? RegionHandle() : regionOf( problem, path, goal.element, def ) } );
 	}
 }
 

@@ -5,7 +5,7 @@
 #include "clock_world.hpp"
 #include "leeway/constraint.h"
 
-using RegionPtr = leeway::Region;
+using RegionPtr = leeway::RegionHandle;
 
 struct RegionBench
 {

@@ -82,7 +82,7 @@ struct Deleter
 };
 /// Working memory of one thread.
 using Query = std::unique_ptr<lw_query, Deleter>;
-using Region = std::unique_ptr<lw_region, Deleter>;
+using RegionHandle = std::unique_ptr<lw_region, Deleter>;
 using GuardHandle = std::unique_ptr<lw_guard, Deleter>;
 
 /// A query for this checker (and its scene).

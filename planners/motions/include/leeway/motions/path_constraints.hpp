@@ -29,7 +29,7 @@ struct PoseConstraint
 {
 	std::string element; ///< of the request
 	lw_region_def def;
-	Region region; ///< empty: the constraint limits nothing
+	RegionHandle region; ///< empty: the constraint limits nothing
 };
 
 /// A joint constraint.
