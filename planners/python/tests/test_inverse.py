@@ -2,10 +2,9 @@
 """Inverse kinematics of batches of poses: leeway.Inverse, against Robot.fk() and Checker.clearance()."""
 import numpy
 import pytest
-import leeway
-from test_lines import arm  # noqa: F401  (a fixture)
 
-DOWN = [1, 0, 0, 0]
+import leeway
+from test_lines import DOWN, arm  # noqa: F401  (a fixture)
 
 
 def poses_of(robot, checker, q, link="hand"):
