@@ -74,7 +74,7 @@ struct Manifold::Parts
 	std::vector<ik::ChainFrame> bases, tips; ///< of poses
 	std::vector<Row> rows;
 	State lower, upper;
-	Eigen::Matrix3Xd linear, angular;
+	ik::Twists twists;
 	std::vector<lw_region_errors> errors; ///< of poses
 	State values;                         ///< of rows
 	Eigen::MatrixXd jacobian;             ///< [rows][variables], of the values
@@ -101,8 +101,7 @@ struct Manifold::Parts
 			poses[i].region ? addRows( i, def ) : void();
 		}
 		const auto count = static_cast<Eigen::Index>( problem.variables.size() );
-		linear.resize( 3, count );
-		angular.resize( 3, count );
+		twists.resize( 6, count );
 		values.resize( static_cast<Eigen::Index>( rows.size() ) );
 		jacobian.resize( static_cast<Eigen::Index>( rows.size() ), count );
 	}
@@ -182,12 +181,11 @@ struct Manifold::Parts
 				placed = row.pose;
 				const lw_region_def& def = constraints.poses()[placed].def;
 				const ik::Pose base = chain.pose( bases[placed] ), tip = chain.pose( tips[placed] );
-				linear.setZero();
-				angular.setZero();
-				chain.addJacobian( tips[placed], tip.t, 1, linear, angular );
-				chain.addJacobian( bases[placed], tip.t, -1, linear, angular );
-				positions = ( base.r * ik::toPose( def.start ).r ).transpose() * linear;
-				turns = ratesOfTurns( def, errors[placed] ) * tip.r.transpose() * angular;
+				twists.setZero();
+				chain.addJacobian( tips[placed], tip.t, 1, twists );
+				chain.addJacobian( bases[placed], tip.t, -1, twists );
+				positions = ( base.r * ik::toPose( def.start ).r ).transpose() * twists.topRows<3>();
+				turns = ratesOfTurns( def, errors[placed] ) * tip.r.transpose() * twists.bottomRows<3>();
 			}
 			const auto i = static_cast<Eigen::Index>( r );
 			jacobian.row( i ) =
