@@ -146,7 +146,7 @@ struct PlanOptions
 	std::uint32_t threads = 0;           ///< of the planner; 0 = its own choice
 	std::vector<std::string> parameters; ///< of the planner, NAME=VALUE
 	bool simplify = true;
-	bool mend_start = false; ///< of a request with path_constraints
+	bool mend_start = false;  ///< of a request with path_constraints
 	double resolution = 1e-4; ///< metres, of the audit
 	bool list_planners = false;
 	std::string others;  ///< a world file: the command line then is one of leeway world plan, and this is empty

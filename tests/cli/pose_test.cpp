@@ -134,7 +134,7 @@ TEST_F( CliPose, ConstraintsOfThePathWithoutRoomAreRefusedByName )
 	writeRequest( "pose.yaml", 0.4, 0.4 );
 	edit( "pose.yaml", "group_name: arm\n",
 	    "group_name: arm\npath_constraints: {orientation_constraints: [{link_name: tool, orientation: [0, 0, 0, 1]}]}\n" );
-	const Outcome outcome = runModel( "plan", { "--request", "pose.yaml", "--out", "path.yaml" } );
+	const Outcome outcome = runModel( "plan", { "--request", "pose.yaml", "--trajectory", "plan.json" } );
 	EXPECT_EQ( outcome.status, 2 );
 	EXPECT_TRUE( contains( outcome.err, "path_constraints.orientation_constraints[0] tool" ) ) << outcome.err;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Random plans of a robot's description under five constraints, with a ball in the way: LEEWAY_MANIFOLD_ROBOT, _SRDF, _GROUP, _TIP, _PACKAGES choose
+// Random plans of a robot's description under five constraints: LEEWAY_MANIFOLD_ROBOT, _SRDF, _GROUP, _TIP, _PACKAGES choose
 // the robot, LEEWAY_MANIFOLD_PLANS how many. It prints solved shares and times for benchmarks.
 #include "leeway/manifold/plan.hpp"
 #include "seeded_rng.hpp"

@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Plane and line problems of McVAMP (arXiv 2604.13323), planned by `leeway plan --request`: each solved motion is proved at all times.
+
+    mcvamp.py --problems plane_problems.json --robot panda.urdf [--srdf panda.srdf] [--limit 100] [--csv results.csv]
+
+The files are those of github.com/CoMMALab/McVAMP, experiments/assets/problems/benchmark, which you fetch. As there, the place of the end effector is
+constrained and its orientation is free. Bounds below --thin are made --thin wide: starts and goals were projected for another description of the arm.
+The printed line: solved share, and medians and 95 % of the seconds of planning, shortcuts and timing with all proofs.
+"""
+import argparse
+import csv
+import json
+import pathlib
+import statistics
+import subprocess
+import tempfile
+
+
+def scene_of(problem):
+    boxes = [f"    - {{id: box{i}, primitives: [{{type: box, dimensions: {[2 * half for half in box[3:]]}}}], "
+             f"primitive_poses: [{{position: {box[:3]}, orientation: [0, 0, 0, 1]}}]}}\n" for i, box in enumerate(problem["cuboid_obstacles"])]
+    return "name: mcvamp\nworld:\n  collision_objects:" + ("\n" + "".join(boxes) if boxes else " []\n")
+
+
+def request_of(problem, options):
+    """Bounds are about the middle of a box whose axes are those of the end effector's pose; quaternions there begin with w."""
+    w, x, y, z, *place = problem["eef_transforms"]
+    if any(abs(value - wanted) > 1e-6 for value, wanted in zip(problem["eef_transforms_ref_frame_w_world"], (1, 0, 0, 0, 0, 0, 0))):
+        raise SystemExit("a frame of a problem is not the world; this reader knows no other")
+    size = [max(upper - lower, 2 * options.thin) for lower, upper in zip(problem["tsr_lower_bound"][:3], problem["tsr_upper_bound"][:3])]
+    joints = [options.joint.format(i) for i in range(1, len(problem["problem_start"]) + 1)]
+    goal = [{"joint_name": name, "position": value} for name, value in zip(joints, problem["problem_end"])]
+    region = {"primitives": [{"type": "box", "dimensions": size}],
+              "primitive_poses": [{"position": place, "orientation": [x, y, z, w]}]}
+    return json.dumps({
+        "group_name": options.group,
+        "start_state": {"joint_state": {"name": joints, "position": problem["problem_start"]}},
+        "goal_constraints": [{"joint_constraints": goal}],
+        "path_constraints": {"position_constraints": [{
+            "link_name": options.tip, "target_point_offset": dict(zip("xyz", options.offset)), "constraint_region": region}]}})
+
+
+def plan(number, problem, options, folder):
+    (folder / "scene.yaml").write_text(scene_of(problem), encoding="utf-8")
+    (folder / "request.yaml").write_text(request_of(problem, options), encoding="utf-8")
+    report = folder / "report.json"
+    report.unlink(missing_ok=True)
+    command = [options.leeway, "plan", "--robot", options.robot, "--scene", folder / "scene.yaml", "--request", folder / "request.yaml",
+               "--trajectory", folder / "plan.json", "--report", report, "--time", str(options.time), *(["--srdf", options.srdf] if options.srdf else [])]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    row = {"problem": number, "obstacles": len(problem["cuboid_obstacles"]), "solved": run.returncode == 0}
+    if not report.exists():
+        return {**row, "status": run.stderr.strip().splitlines()[-1] if run.stderr else "no answer"}
+    answer = json.loads(report.read_text(encoding="utf-8"))
+    return {**row, "status": answer["status"], "seconds": sum(answer["seconds"].values()),
+            "length": answer.get("path", {}).get("length"), "duration": answer.get("duration")}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--problems", required=True, type=pathlib.Path)
+    parser.add_argument("--robot", required=True)
+    parser.add_argument("--srdf", default="")
+    parser.add_argument("--group", default="panda_arm")
+    parser.add_argument("--joint", default="panda_joint{}", help="names of joints, with {} for 1, 2, ...")
+    parser.add_argument("--tip", default="panda_hand")
+    parser.add_argument("--offset", type=float, nargs=3, default=[0, 0, 0.105], help="of the end effector in the tip's frame")
+    parser.add_argument("--thin", type=float, default=1e-3, help="metres: half of the least width")
+    parser.add_argument("--time", type=float, default=10, help="seconds for each")
+    parser.add_argument("--limit", type=int, default=None)
+    parser.add_argument("--leeway", default="build/bin/leeway")
+    parser.add_argument("--csv", type=pathlib.Path, default=None)
+    options = parser.parse_args()
+    problems = json.loads(options.problems.read_text(encoding="utf-8"))[:options.limit]
+    with tempfile.TemporaryDirectory() as folder:
+        rows = [plan(number, problem, options, pathlib.Path(folder)) for number, problem in enumerate(problems)]
+    if options.csv:
+        with options.csv.open("w", newline="", encoding="utf-8") as out:
+            writer = csv.DictWriter(out, ["problem", "obstacles", "solved", "status", "seconds", "length", "duration"])
+            writer.writeheader()
+            writer.writerows(rows)
+    seconds = sorted(row["seconds"] for row in rows if row["solved"])
+    print(f"{len(seconds)} of {len(rows)} solved" + (f"; seconds: median {statistics.median(seconds):.4f}, "
+          f"95 % {seconds[min(len(seconds) - 1, int(0.95 * len(seconds)))]:.4f}" if seconds else ""))
+    for status in sorted({row["status"] for row in rows if not row["solved"]}):
+        print(f"  {sum(row['status'] == status for row in rows if not row['solved'])}: {status}")
+
+
+if __name__ == "__main__":
+    main()
