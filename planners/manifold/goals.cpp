@@ -47,13 +47,12 @@ std::vector<std::vector<double>> constrainedGoals( const io::RobotModel& robot, 
     const io::Request& request, const io::PathConstraints& path, const lw_edge_def& edge, std::uint64_t seed,
     std::size_t most )
 {
-	if ( !request.hasPoseGoal() )
+	Manifold manifold( robot, problem, path ); // constraints that leave no room are named before any search
+	const std::vector<double> goal = request.hasPoseGoal() ? std::vector<double>() : io::goalState( problem, request );
+	const std::vector<std::string> broken = goal.empty() ? std::vector<std::string>() : manifold.violations( goal.data() );
+	if ( !goal.empty() && broken.empty() )
 	{
-		const std::vector<double> goal = io::goalState( problem, request );
-		if ( Manifold( robot, problem, path ).violations( goal.data() ).empty() )
-		{
-			return { goal };
-		}
+		return { goal };
 	}
 	ik::Options options;
 	options.seed = seed;
@@ -66,13 +65,8 @@ std::vector<std::vector<double>> constrainedGoals( const io::RobotModel& robot, 
 	{
 		return found.states;
 	}
-	std::string problem_text = found.problem;
-	if ( !request.hasPoseGoal() )
-	{
-		const std::vector<double> goal = io::goalState( problem, request );
-		problem_text = "the goal breaks the constraints along the path: " +
-		               Manifold( robot, problem, path ).violations( goal.data() ).front();
-	}
+	const std::string problem_text =
+	    broken.empty() ? found.problem : "the goal breaks the constraints along the path: " + broken.front();
 	throw io::Error( request.goal_file.empty() ? request.file : request.goal_file,
 	    request.goal_element + " with path_constraints", problem_text,
 	    request.hasPoseGoal() ? found.remedy : "choose another goal, or widen path_constraints" );
