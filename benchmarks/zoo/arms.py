@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Fifteen arms of the zoo: their descriptions, their first links and their tips."""
+import csv
 import os
 import pathlib
 import tempfile
@@ -51,6 +52,20 @@ class Arm:
 
 def zoo_folder():
     return ROOT / (os.environ.get("LEEWAY_ZOO_DIR") or "build/zoo")
+
+
+def say(row):
+    """Prints a row of figures."""
+    print("; ".join(f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}" for key, value in row.items()), flush=True)
+
+
+def write(rows, name):
+    """Writes rows to a CSV file, if it has a name."""
+    if name:
+        with open(name, "w", newline="") as file:
+            writer = csv.DictWriter(file, list(dict.fromkeys(key for row in rows for key in row)))
+            writer.writeheader()
+            writer.writerows(rows)
 
 
 ARMS = (

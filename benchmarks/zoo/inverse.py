@@ -13,13 +13,12 @@ threads and at most 50 ms. ssik has six-joint arms alone: some of seven take it 
 Exit status 1: leeway misses a pose, or a branch of ssik's in more than one pose of a hundred."""
 import argparse
 import copy
-import csv
 import sys
 import time
 
 import numpy
 import pinocchio
-from arms import ARMS
+import arms
 
 import leeway
 
@@ -206,7 +205,7 @@ def main():
     parser.add_argument("--csv", help="file of all figures")
     given = parser.parse_args()
     rows, bad = [], 0
-    for arm in ARMS:
+    for arm in arms.ARMS:
         if given.only.lower() not in arm.name.lower():
             continue
         poses = Poses(arm, given.poses)
@@ -217,13 +216,9 @@ def main():
             few = poses.first(len(poses.poses) if row.get("ssik_near_us", 0) < 2e4 else 100)
             branches(few, row)
             bad += row["poses_with_misses"] > 0.01 * len(few.poses)
-        print("; ".join(f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}" for key, value in row.items()), flush=True)
+        arms.say(row)
         rows.append(row)
-    if given.csv:
-        with open(given.csv, "w", newline="") as file:
-            writer = csv.DictWriter(file, list(dict.fromkeys(key for row in rows for key in row)))
-            writer.writeheader()
-            writer.writerows(rows)
+    arms.write(rows, given.csv)
     return int(bad > 0)
 
 

@@ -11,12 +11,11 @@ The dense search knows no cubics: at stations every 10 mm it keeps free states o
 sources: each kept state led to the next station by leeway.Inverse, and random states there. A line that it finds need not be one for
 continuous motion: the other way round, each line that plan_line() finds is proved. Exit status 1: a line is found without its proof."""
 import argparse
-import csv
 import sys
 import time
 
 import numpy
-from arms import ARMS
+import arms
 
 import leeway
 
@@ -144,17 +143,13 @@ def main():
     parser.add_argument("--csv", help="file of all figures")
     given = parser.parse_args()
     rows, bad = [], 0
-    for arm in ARMS:
+    for arm in arms.ARMS:
         if given.only.lower() in arm.name.lower():
             row = {"arm": arm.name}
             bad += look_at(arm, given, row)
             rows.append(row)
-            print("; ".join(f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}" for key, value in row.items()), flush=True)
-    if given.csv:
-        with open(given.csv, "w", newline="") as file:
-            writer = csv.DictWriter(file, list(dict.fromkeys(key for row in rows for key in row)))
-            writer.writeheader()
-            writer.writerows(rows)
+            arms.say(row)
+    arms.write(rows, given.csv)
     return int(bad > 0)
 
 
