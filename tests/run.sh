@@ -29,7 +29,7 @@ long_tests+='|^EdgeTube|^Curve.VerdictsOnRandom|^EdgeAudit.(Earlier|Runs|Verdict
 long_tests+='|^NativeOmplPlanner.(Progress|Regions)|^Proofs.The(Motion|Run).*LastValid|^Roundings.Blends|^CliFields|^CliWords|^Killed|^CacheData|^Cache.ADamaged|^SdfTest.PosesOfRandom|^Witness.Slab'
 long_tests+='|^bad_inputs|^packages.Shell|^TriTri.(Crossing|Agrees)|^Spheres.(Stopped|CellsOf|FormOf)|^SphereTree.Identical|^States.ContactIs|^Margins.EdgeEnters'
 long_tests+='|^EdgeMidpoint.(Own|OneOf|BallOf)|^NativeProof.(PathsDo|CutsKeep)|^ExtremeTrees|^ExtremeChains.State|^Edge.StepsKeep|^MotionSweeps.NeverAbove|^NativeOptimizer.ComesNear'
-long_tests+='|^SolidMesh.InsideContradicts|/SolidMeshPairs|^Required.ObstacleNearer|^Kernels.LevelDiffers|^EdgeClose.NoEdgeIsFree|^TriTri.SmallIntegers|^ClockCells|^DetectedSolids.Differ|^MovedDepth.ManySmall'
+long_tests+='|^SolidMesh.InsideContradicts|/SolidMeshPairs|^Required.ObstacleNearer|^Kernels.LevelDiffers|^EdgeClose.NoEdgeIsFree|^TriTri.SmallIntegers|^ClockCells|^DetectedSolids.Differ|^MovedDepth.ManySmall|^ConstrainedPlanAttack'
 
 
 heading()
