@@ -30,6 +30,9 @@ long_tests+='|^NativeOmplPlanner.(Progress|Regions)|^Proofs.The(Motion|Run).*Las
 long_tests+='|^bad_inputs|^packages.Shell|^TriTri.(Crossing|Agrees)|^Spheres.(Stopped|CellsOf|FormOf)|^SphereTree.Identical|^States.ContactIs|^Margins.EdgeEnters'
 long_tests+='|^EdgeMidpoint.(Own|OneOf|BallOf)|^NativeProof.(PathsDo|CutsKeep)|^ExtremeTrees|^ExtremeChains.State|^Edge.StepsKeep|^MotionSweeps.NeverAbove|^NativeOptimizer.ComesNear'
 long_tests+='|^SolidMesh.InsideContradicts|/SolidMeshPairs|^Required.ObstacleNearer|^Kernels.LevelDiffers|^EdgeClose.NoEdgeIsFree|^TriTri.SmallIntegers|^ClockCells|^DetectedSolids.Differ|^MovedDepth.ManySmall|^ConstrainedPlanAttack'
+long_tests+='|^RandomLinesData|^RandomPlansData|^Separation.(Somebody|NearIs|KnownPlane)|^DroppedTest|^Inverse.(Branches|StatesHave)|^GuardWorlds|^EdgeAudit.VerdictsOnRandom'
+# Commands whose readers are tested in test_io and by the fuzzers' corpora: here each starts the program, which takes half a second under sanitizers
+long_tests+='|^Cli(Messages|Tune|Ends|Trajectory|Steps)\.|^Everything/PairsBadInput|^Cache\.|^Cli.Spherize|^CliData|^PairsData|^examples'
 
 
 heading()
@@ -66,7 +69,7 @@ configure()
 # time with -Og. Plain char is unsigned, as on ARM. Tests are found when they are run, because a program may need the runner below even to list its tests.
 configure_sanitized()
 {
-	configure "$1" -DLEEWAY_SANITIZE="$2" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_C_FLAGS_RELWITHDEBINFO="-O1 -g1 -funsigned-char" \
+	configure "$1" -DLEEWAY_SANITIZE="$2" -DLEEWAY_UNITY=ALL -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_C_FLAGS_RELWITHDEBINFO="-O1 -g1 -funsigned-char" \
 		-DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-Og -g1 -funsigned-char" -DLEEWAY_BUILD_BENCHMARKS=OFF -DLEEWAY_BUILD_EXAMPLES=OFF \
 		-DLEEWAY_BUILD_VIEW=OFF -DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST
 }
@@ -87,12 +90,13 @@ run_tests()
 	"${runner[@]}" ctest --test-dir "$folder" --no-tests=error --output-on-failure --parallel "$jobs" --timeout 900 "$@"
 }
 
-# threaded_targets FOLDER: the test programs in which a threaded test is, as the build in this folder compiles them
+# threaded_targets FOLDER: the test programs in which a threaded test is, as the build in this folder compiles them, alone or with other files
 threaded_targets()
 {
 	local file
 	while read -r file; do
 		sed -nE "s,.* -o tests/.*CMakeFiles/([^/]+)\\.dir/.* -c [^ ]*/$file\".*,\\1,p" "$1/compile_commands.json"
+		grep -rl --include='unity_*.cxx' "/$file\"" "$1/tests" | sed -nE 's,.*CMakeFiles/([^/]+)\.dir/.*,\1,p' || true
 	done < <( grep -rlsE --include="*.cpp" "^TEST(_F|_P)?\(.*$threaded_tests" tests ) | sort -u
 }
 
@@ -175,7 +179,7 @@ else
 	notes+=( "the thread sanitizer does not work on this machine, not even without address randomisation: stage left out" )
 fi
 
-stage "release: configure" configure build -DCMAKE_BUILD_TYPE=Release -DLEEWAY_BUILD_PYTHON=ON -DLEEWAY_BUILD_VIEW=ON \
+stage "release: configure" configure build -DCMAKE_BUILD_TYPE=Release -DLEEWAY_UNITY=TESTS -DLEEWAY_BUILD_PYTHON=ON -DLEEWAY_BUILD_VIEW=ON \
 	-DPython_EXECUTABLE="$( realpath -s "${LEEWAY_PYTHON_DIR:-build/python-tools}" )/bin/python"
 stage "release: build" build build
 stage "cppcheck" tests/lint.sh build cppcheck

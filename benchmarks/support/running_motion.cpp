@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/running_motion.hpp"
 
+#include "support/race.hpp"
+
 #include <algorithm>
 #include <ctime>
-
-double threadMicroseconds()
-{
-	timespec time = {};
-	clock_gettime( CLOCK_THREAD_CPUTIME_ID, &time );
-	return 1e6 * static_cast<double>( time.tv_sec ) + 1e-3 * static_cast<double>( time.tv_nsec );
-}
 
 double microseconds( const std::function<void()>& work )
 {

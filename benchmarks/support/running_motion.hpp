@@ -12,7 +12,6 @@
 #include <functional>
 
 /// Of this thread on the processor: other programs on the machine would decide about the slowest hundredth.
-double threadMicroseconds();
 double microseconds( const std::function<void()>& work );
 
 /// At most so many straight pieces of half a second that are free, one after the other, each joint by up to 0.4.

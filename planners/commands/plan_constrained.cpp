@@ -5,6 +5,7 @@
 #include "commands/plan_solution.hpp"
 #include "motions/json.hpp"
 #include "program/ends.hpp"
+#include "program/options.hpp"
 
 #include <fmt/format.h>
 
@@ -13,13 +14,8 @@ namespace leeway::cli
 namespace
 {
 
-[[noreturn]] void wrong( const std::string& option, const std::string& problem, const std::string& remedy )
-{
-	throw io::Error( "command line", option, problem, remedy );
-}
-
 /// Options that ask for another kind of plan.
-void refuseOthers( const PlanOptions& options )
+void refuseOtherPlans( const PlanOptions& options )
 {
 	const std::pair<const char*, bool> others[] = { { "--line", !options.line.poses.empty() },
 	    { "--planner", !options.planner.empty() }, { "--optimize", options.optimize > 0 },
@@ -28,21 +24,23 @@ void refuseOthers( const PlanOptions& options )
 	{
 		if ( given )
 		{
-			wrong( name, "stands beside a request with path_constraints", "remove it, or the request's path_constraints" );
+			refuseOption(
+			    name, "stands beside a request with path_constraints", "remove it, or the request's path_constraints" );
 		}
 	}
 	if ( options.edge.validator != "certified" )
 	{
-		wrong(
+		refuseOption(
 		    "--validator", "is " + options.edge.validator + ", beside path_constraints, which are proved", "leave it out" );
 	}
 	if ( !options.out.empty() )
 	{
-		wrong( "--out", "is for straight edges; a motion that keeps path_constraints bends", "give --trajectory FILE" );
+		refuseOption(
+		    "--out", "is for straight edges; a motion that keeps path_constraints bends", "give --trajectory FILE" );
 	}
 	if ( !options.certificate.empty() || !options.view.empty() )
 	{
-		wrong( options.view.empty() ? "--certificate" : "--view", "stands beside path_constraints",
+		refuseOption( options.view.empty() ? "--certificate" : "--view", "stands beside path_constraints",
 		    "ask leeway audit --trajectory FILE for a certificate, leeway view --trajectory FILE for a page" );
 	}
 }
@@ -132,7 +130,7 @@ std::vector<Segment> since( const std::vector<Segment>& segments, double begin )
 
 int runConstrainedPlan( const PlanOptions& options )
 {
-	refuseOthers( options );
+	refuseOtherPlans( options );
 	Notices notices( options.common.verbose );
 	JointLimits limits = limitsOfFile( options.joint_limits );
 	OutputFile timed( "--trajectory", options.trajectory ), report( "--report", options.report );

@@ -3,6 +3,7 @@
 #include "leeway/ik/goal_states.hpp"
 
 #include "ik/goal_test.hpp"
+#include "ik/random.hpp"
 #include "ik/solver.hpp"
 
 #include <fmt/format.h>
@@ -16,11 +17,6 @@ namespace
 
 // Two states that differ by less than this in every variable count as one.
 constexpr double same_state = 0.02;
-// Radians or metres about the start: starts of searches for a variable without limits, or with limits that are farther
-// apart.
-constexpr double draw_distance = 2, far_limits = 1000;
-// Shares of the way from the start state to a random state, in turn: near the start paths are short.
-constexpr double draw_shares[] = { 0.25, 1, 0.5, 1 };
 // Searches without joint limits that follow if no search within them succeeds.
 constexpr std::size_t unlimited_searches = 200;
 // States in collision whose pairs are named.

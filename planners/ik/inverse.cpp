@@ -7,6 +7,7 @@
 
 #include "ik/goal_parts.hpp"
 #include "ik/pose_errors.hpp"
+#include "ik/random.hpp"
 #include "ik/solver.hpp"
 
 #include <fmt/format.h>
@@ -18,11 +19,8 @@ namespace leeway::ik
 namespace
 {
 
-constexpr double draw_distance = 2, far_limits = 1000; // as in goal_states.cpp
-// Shares of the way from the start to a random state, in turn, for more joints than a pose needs: near states are wanted first.
-constexpr double draw_shares[] = { 0.25, 1, 0.5, 1 };
 constexpr std::size_t pose_freedoms = 6;
-constexpr std::size_t unlimited_searches = 40; // to see whether it is the limits
+constexpr std::size_t searches_beyond = 40; // the limits, to see whether it is these
 
 using State = std::vector<double>;
 
@@ -370,7 +368,7 @@ void Inverse::Search::explain( const InverseOptions& options )
 	std::string text;
 	Random random( options.seed );
 	setDraw();
-	for ( std::size_t i = 0; i < std::min( unlimited_searches, m_result.searches ); ++i )
+	for ( std::size_t i = 0; i < std::min( searches_beyond, m_result.searches ); ++i )
 	{
 		m_q = m_start;
 		draw( m_chain.freedoms(), m_errors.moving(), m_draw, random, i == 0 ? 0 : 1, m_q.data() );

@@ -8,6 +8,11 @@
 namespace leeway::ik
 {
 
+/// Radians or metres about the start: starts of searches for a variable without limits, or with limits that are farther apart.
+constexpr double draw_distance = 2, far_limits = 1000;
+/// Shares of the way from the start to a random state, in turn, for more joints than a pose needs: near states are wanted first.
+constexpr double draw_shares[] = { 0.25, 1, 0.5, 1 };
+
 class Random
 {
 public:

@@ -21,13 +21,13 @@ using Eigen::Vector3d;
 using State = Eigen::VectorXd;
 
 constexpr double thin_half = 0.02;     // metres or radians: half of a thin range is below this
-constexpr double inner_share = 0.9;    // of other ranges
+constexpr double inner_range = 0.9;    // of other ranges
 constexpr double joint_share = 1e-3;   // of a joint constraint's range, at each of its ends
 constexpr double turn_length = 0.2;    // metres that count as much as a radian
 constexpr double solved_error = 1e-11; // metres, or radians times turn_length
 constexpr double touching = 1e-9;      // metres or radians, of a limit
 constexpr int most_steps = 40;
-constexpr double longest_step = 0.5; // radians or metres of one joint
+constexpr double longest_change = 0.5; // radians or metres of one joint
 constexpr double least_damping = 1e-14;
 constexpr double step_damping = 1e-9;
 constexpr double poor_damping = 1e-4;
@@ -49,7 +49,7 @@ Row rowOf( std::size_t pose, int limit, double lower, double upper )
 {
 	const double middle = 0.5 * ( lower + upper ), half = 0.5 * ( upper - lower );
 	const bool thin = half < thin_half;
-	const double inner = thin ? 0 : inner_share * half;
+	const double inner = thin ? 0 : inner_range * half;
 	return { pose, limit, lower, upper, middle - inner, middle + inner, thin };
 }
 
@@ -264,7 +264,7 @@ struct Manifold::Parts
 			const double damping = error > before ? poor_damping : least_damping + step_damping * error * error;
 			const State change = solvedWithin( wanted, weights, q, none, damping );
 			const double largest = change.size() > 0 ? change.cwiseAbs().maxCoeff() : 0;
-			q += largest > longest_step ? State( longest_step / largest * change ) : change;
+			q += largest > longest_change ? State( longest_change / largest * change ) : change;
 			q = q.cwiseMax( lower ).cwiseMin( upper );
 			before = error;
 		}

@@ -14,12 +14,12 @@ namespace leeway::manifold
 namespace
 {
 
-constexpr double range = 2;          // of one growth towards a sample, in joint space
-constexpr double near_samples = 1.5; // radians or metres about a node, for half of the samples
-constexpr double far_limits = 100;   // radians or metres: samples are drawn about the start instead
-constexpr double least_gain = 0.01;  // of a path's length, by a shortcut
-constexpr int mend_tries = 100;      // states that are led to the constraints
-constexpr double mend_spread = 0.3;  // radians or metres about the start
+constexpr double range = 2;           // of one growth towards a sample, in joint space
+constexpr double near_samples = 1.5;  // radians or metres about a node, for half of the samples
+constexpr double far_limits = 100;    // radians or metres: samples are drawn about the start instead
+constexpr double least_saving = 0.01; // of a path's length, by a shortcut
+constexpr int mend_tries = 100;       // states that are led to the constraints
+constexpr double mend_spread = 0.3;   // radians or metres about the start
 constexpr std::size_t excluded_tries = 200;
 
 class Clock
@@ -354,7 +354,7 @@ private:
 			{
 				way.push_back( path[b].part( t, 1 ) );
 			}
-			if ( lengthOf( way ) < old - least_gain * lengthOf( path ) && isContinuous( way, path[b] ) )
+			if ( lengthOf( way ) < old - least_saving * lengthOf( path ) && isContinuous( way, path[b] ) )
 			{
 				path.erase(
 				    path.begin() + static_cast<std::ptrdiff_t>( a ), path.begin() + static_cast<std::ptrdiff_t>( b ) + 1 );

@@ -3,6 +3,7 @@
 
 #include "leeway/handles.hpp"
 #include "motions/json.hpp"
+#include "motions/seconds.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -16,11 +17,6 @@ namespace
 constexpr double least = 1e-6;    // radians and metres: the first uniform deviation that is tried
 constexpr double accuracy = 1.02; // of the uniform one
 constexpr double widenings[] = { 1.5, 1.1, 1.02 };
-
-double secondsSince( std::chrono::steady_clock::time_point begin )
-{
-	return std::chrono::duration<double>( std::chrono::steady_clock::now() - begin ).count();
-}
 
 /// Proves the motion for a tolerance, beginning with the segment that failed last.
 class Prover

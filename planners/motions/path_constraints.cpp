@@ -13,7 +13,7 @@ namespace
 {
 
 constexpr int most_halvings = 30;
-constexpr double rounding = 0x1p-44; // of the largest control point, by halving
+constexpr double relative_rounding = 0x1p-44; // of the largest control point, by halving
 
 /// Frames of a constraint, in a region without limits.
 lw_region_def defOf( const io::Problem& problem, const io::PathConstraints& path, const std::string& link,
@@ -124,7 +124,7 @@ struct Range
 lw_verdict within( const std::vector<double>& points, const Range& range, double from, double to, int halvings, double& at )
 {
 	const auto [least, most] = std::minmax_element( points.begin(), points.end() );
-	const double off = range.tolerance + rounding * std::max( std::fabs( *least ), std::fabs( *most ) );
+	const double off = range.tolerance + relative_rounding * std::max( std::fabs( *least ), std::fabs( *most ) );
 	if ( *least - off >= range.lower && *most + off <= range.upper )
 	{
 		return LW_VERDICT_FREE;

@@ -23,7 +23,7 @@ using Triangle = std::array<State, 3>;
 
 constexpr std::size_t most_questions = 4096; // per corner; each is the proof of an edge
 constexpr double smallest_height = 1e-3;     // of the radius: lower triangles are not cut; close_windows bounds their proofs
-constexpr int bisections = 6;
+constexpr int radius_bisections = 6;
 constexpr double outward = 1 + 0x1p-40, rounding = 0x1p-44; // of tolerances, far above a dozen roundings
 
 double dot( const State& a, const State& b )
@@ -245,7 +245,7 @@ lw_status bisect( const lw_checker* checker, lw_query* query, const std::array<c
     const lw_edge_def& def, RoundingProof& out )
 {
 	double low = 0, high = radius;
-	for ( int i = 0; i < bisections; ++i )
+	for ( int i = 0; i < radius_bisections; ++i )
 	{
 		const double middle = 0.5 * ( low + high );
 		RoundingProof found;

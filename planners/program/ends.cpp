@@ -4,6 +4,7 @@
 
 #include "motions/csv.hpp"
 #include "motions/names.hpp"
+#include "program/options.hpp"
 #include "program/plan_bounds.hpp"
 
 #include <fmt/format.h>
@@ -21,11 +22,6 @@ namespace
 
 const char* const how_to_write = "write joint=value,joint=value, the name of a group_state, or random";
 
-[[noreturn]] void wrong( const std::string& option, const std::string& problem, const std::string& remedy )
-{
-	throw io::Error( "command line", option, problem, remedy );
-}
-
 // The variable that is meant, by its name with the prefix or without. @throws io::Error
 std::string variableMeant( const std::string& option, const std::string& name, const io::RobotModel& robot,
     const std::vector<std::string>& known, const std::string& prefix )
@@ -39,7 +35,7 @@ std::string variableMeant( const std::string& option, const std::string& name, c
 		}
 	}
 	const UnknownVariable why = explainUnknown( full, robot );
-	wrong( option + " " + name, why.problem, why.remedy );
+	refuseOption( option + " " + name, why.problem, why.remedy );
 }
 
 End parseValues( const std::string& option, const std::string& text, const io::RobotModel& robot, const std::string& prefix )
@@ -54,19 +50,19 @@ End parseValues( const std::string& option, const std::string& text, const io::R
 		const std::size_t equals = part.rfind( '=' );
 		if ( equals == std::string::npos )
 		{
-			wrong( option, fmt::format( "'{}' is not joint=value", part ), how_to_write );
+			refuseOption( option, fmt::format( "'{}' is not joint=value", part ), how_to_write );
 		}
 		const std::string name = trimmed( part.substr( 0, equals ) ), value = trimmed( part.substr( equals + 1 ) );
 		const std::string meant = variableMeant( option, name, robot, known, prefix );
 		const std::optional<double> number_ = finiteNumber( value );
 		if ( !number_ )
 		{
-			wrong( option + " " + name, fmt::format( "'{}' is not a finite number", value ),
+			refuseOption( option + " " + name, fmt::format( "'{}' is not a finite number", value ),
 			    "give a finite number in radians or metres" );
 		}
 		if ( !end.values.emplace( meant, *number_ ).second )
 		{
-			wrong( option + " " + name, "is given twice", "remove one of them" );
+			refuseOption( option + " " + name, "is given twice", "remove one of them" );
 		}
 	}
 	return end;
@@ -78,7 +74,7 @@ const io::GroupState& findState(
 {
 	if ( robot.srdf_file.empty() && robot.group_states.empty() )
 	{
-		wrong( option, fmt::format( "'{}' names a state, and there is no SRDF", name ),
+		refuseOption( option, fmt::format( "'{}' names a state, and there is no SRDF", name ),
 		    "give --srdf, or write joint=value,joint=value" );
 	}
 	const bool own = std::any_of( robot.group_states.begin(), robot.group_states.end(),
@@ -194,7 +190,7 @@ public:
 		    m_counts.begin(), m_counts.end(), []( const auto& a, const auto& b ) { return a.second < b.second; } );
 		if ( most == m_counts.end() )
 		{
-			wrong( option, problem, "`leeway check` shows why; or write joint=value,joint=value" );
+			refuseOption( option, problem, "`leeway check` shows why; or write joint=value,joint=value" );
 		}
 		lw_clearance pair{};
 		const auto [self, a, b] = most->first;
@@ -204,7 +200,7 @@ public:
 		    self ? nameSelf( m_problem.checker.get(), pair ) : nameEnvironment( m_problem.checker.get(), pair );
 		const double share = double( most->second ) / double( tries );
 		const std::string by_hand = "write joint=value,joint=value, or the name of a group_state";
-		wrong( option,
+		refuseOption( option,
 		    fmt::format( "{}: {} - {} were too near in {:.0f} % of them", problem, named.first, named.second,
 		        std::floor( 100 * share ) ),
 		    share < 0.5
@@ -269,12 +265,12 @@ void readGoalPose( const std::string& text, io::Request& request )
 	const std::size_t equals = text.rfind( '=' );
 	if ( equals == std::string::npos || trimmed( text.substr( 0, equals ) ).empty() )
 	{
-		wrong( option, "names no link", format );
+		refuseOption( option, "names no link", format );
 	}
 	const std::vector<double> numbers = numbersOf( option, text.substr( equals + 1 ), format );
 	if ( numbers.size() != 3 && numbers.size() != 7 )
 	{
-		wrong( option, fmt::format( "has {}, not 3 or 7", counted( numbers.size(), "number" ) ), format );
+		refuseOption( option, fmt::format( "has {}, not 3 or 7", counted( numbers.size(), "number" ) ), format );
 	}
 	io::PositionGoal position;
 	position.link = trimmed( text.substr( 0, equals ) );
@@ -326,7 +322,7 @@ std::vector<double> numbersOf( const std::string& option, const std::string& tex
 		const std::optional<double> value = finiteNumber( part );
 		if ( !value )
 		{
-			wrong( option, fmt::format( "'{}' is not a finite number", part ), remedy );
+			refuseOption( option, fmt::format( "'{}' is not a finite number", part ), remedy );
 		}
 		numbers.push_back( *value );
 		from = comma + 1;
@@ -339,7 +335,7 @@ std::array<double, 4> unitQuaternion( const std::string& option, const double* n
 	const double length = std::hypot( std::hypot( numbers[0], numbers[1] ), std::hypot( numbers[2], numbers[3] ) );
 	if ( !( std::fabs( length - 1 ) <= 0.01 ) )
 	{
-		wrong( option, fmt::format( "the quaternion has length {:.4g}, not 1", length ),
+		refuseOption( option, fmt::format( "the quaternion has length {:.4g}, not 1", length ),
 		    "give QX,QY,QZ,QW of length 1; 0,0,0,1 turns nothing" );
 	}
 	return { numbers[0] / length, numbers[1] / length, numbers[2] / length, numbers[3] / length };
@@ -364,7 +360,7 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 	ends.goal.element = "goal_constraints";
 	if ( !options.goal.empty() && !options.goal_poses.empty() )
 	{
-		wrong( "--goal-pose", "stands beside --goal", "give one of them" );
+		refuseOption( "--goal-pose", "stands beside --goal", "give one of them" );
 	}
 	io::Request request = from_file ? *input.request : io::Request();
 	std::string state_group;
@@ -394,7 +390,8 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 	}
 	else if ( !from_file && options.line.poses.empty() )
 	{
-		wrong( "--goal", "is missing", std::string( how_to_write ) + ", or give --goal-pose, --line or --request Q.yaml" );
+		refuseOption(
+		    "--goal", "is missing", std::string( how_to_write ) + ", or give --goal-pose, --line or --request Q.yaml" );
 	}
 	ends.group = !options.common.group.empty() ? options.common.group : request.group;
 	if ( !options.start.empty() )
@@ -406,7 +403,7 @@ PlanEnds readEnds( const PlanOptions& options, Input& input )
 		        : parseEnd( "--start", options.start, wanted, input.robot );
 		if ( ends.group.empty() && !state_group.empty() && !start.group.empty() && start.group != state_group )
 		{
-			wrong( "--start", fmt::format( "is a state of group {}, --goal of group {}", start.group, state_group ),
+			refuseOption( "--start", fmt::format( "is a state of group {}, --goal of group {}", start.group, state_group ),
 			    "say which moves with --group" );
 		}
 		state_group = state_group.empty() ? start.group : state_group;

@@ -19,13 +19,14 @@
 
 namespace leeway::cli
 {
-namespace
-{
 
-[[noreturn]] void wrong( const std::string& option, const std::string& problem, const std::string& remedy )
+void refuseOption( const std::string& option, const std::string& problem, const std::string& remedy )
 {
 	throw io::Error( "command line", option, problem, remedy );
 }
+
+namespace
+{
 
 bool given( const CLI::App& app, const std::string& option )
 {
@@ -269,7 +270,7 @@ void requirePositive( const std::string& option, double value )
 {
 	if ( !( value > 0 ) || !std::isfinite( value ) )
 	{
-		wrong( option, fmt::format( "{} is not a finite number above 0", value ), "give a positive number" );
+		refuseOption( option, fmt::format( "{} is not a finite number above 0", value ), "give a positive number" );
 	}
 }
 
@@ -277,7 +278,7 @@ void requireNotNegative( const std::string& option, double value )
 {
 	if ( !( value >= 0 ) || !std::isfinite( value ) )
 	{
-		wrong( option, fmt::format( "{} is not a finite number of at least 0", value ), "give 0 or more" );
+		refuseOption( option, fmt::format( "{} is not a finite number of at least 0", value ), "give 0 or more" );
 	}
 }
 
@@ -304,7 +305,7 @@ io::Limits inputLimits( const std::vector<std::string>& given )
 		}
 		if ( !found || value.empty() || error != std::errc() || end != value.data() + value.size() )
 		{
-			wrong( "--input-limit", fmt::format( "{} is not NAME=N", text ),
+			refuseOption( "--input-limit", fmt::format( "{} is not NAME=N", text ),
 			    fmt::format( "give a whole number to one of {}", known ) );
 		}
 	}
@@ -317,12 +318,12 @@ void validate( const CLI::App& app, CommonOptions& options )
 	options.max_d_given = given( app, "--max-d" );
 	if ( !( options.min_d >= 0 ) || !std::isfinite( options.min_d ) )
 	{
-		wrong(
+		refuseOption(
 		    "--min-d", fmt::format( "{} is not a finite number of at least 0", options.min_d ), "give metres, 0 or more" );
 	}
 	if ( !( options.max_d > options.min_d ) )
 	{
-		wrong( "--max-d", fmt::format( "{} is not above --min-d {}", options.max_d, options.min_d ),
+		refuseOption( "--max-d", fmt::format( "{} is not above --min-d {}", options.max_d, options.min_d ),
 		    "give metres above the margin, or leave it out" );
 	}
 	options.margin_given = given( app, "--margin" );
@@ -337,7 +338,7 @@ void validate( const CLI::App& app, CommonOptions& options )
 	{
 		if ( options.no_cache && given( app, option ) )
 		{
-			wrong( option, "has no meaning without a cache", "leave out --no-cache, or this" );
+			refuseOption( option, "has no meaning without a cache", "leave out --no-cache, or this" );
 		}
 	}
 	if ( !options.no_cache && !given( app, "--cache" ) )
@@ -351,7 +352,7 @@ void validate( const CLI::App& app, CommonOptions& options )
 	}
 	if ( !( options.alpha >= 0 && options.alpha < 1 ) )
 	{
-		wrong(
+		refuseOption(
 		    "--alpha", fmt::format( "{} is outside of [0, 1)", options.alpha ), "give for instance 0.1 for ten per cent" );
 	}
 	const lw_simd wanted = options.simd_name == "scalar" ? LW_SIMD_SCALAR
@@ -363,7 +364,7 @@ void validate( const CLI::App& app, CommonOptions& options )
 	{
 		if ( !lw_simd_supported( wanted ) )
 		{
-			wrong( "--simd", fmt::format( "this machine or build has no {}", options.simd_name ), "use --simd best" );
+			refuseOption( "--simd", fmt::format( "this machine or build has no {}", options.simd_name ), "use --simd best" );
 		}
 		// The cap of every query of the process, those of the planner's threads included.
 		setenv( "LW_CPU_MASK", std::to_string( static_cast<int>( wanted ) ).c_str(), 1 );
@@ -376,14 +377,14 @@ void validate( const CLI::App& app, EdgeOptions& options, const CommonOptions& c
 	requirePositive( "--slack", options.slack );
 	if ( options.validator == "certified" && common.max_d_given )
 	{
-		wrong( "--max-d", "has no meaning for --validator certified, which proves the whole motion",
+		refuseOption( "--max-d", "has no meaning for --validator certified, which proves the whole motion",
 		    "leave it out, or add --validator steps" );
 	}
 	if ( options.validator == "steps" )
 	{
 		if ( options.slack_given )
 		{
-			wrong( "--slack", "has no meaning for --validator steps", "leave it out, or use --validator certified" );
+			refuseOption( "--slack", "has no meaning for --validator steps", "leave it out, or use --validator certified" );
 		}
 		requirePositive( "--max-d", stepLength( common ) );
 	}
@@ -396,7 +397,7 @@ void validate( const CLI::App& app, TuneOptions& options )
 	options.conservatism_given = given( app, "--edge-conservatism" );
 	if ( !std::isfinite( options.common.max_d ) )
 	{
-		wrong( "--max-d", "is infinite", "give the largest clearance that matters, in metres" );
+		refuseOption( "--max-d", "is infinite", "give the largest clearance that matters, in metres" );
 	}
 	if ( options.time_given )
 	{
@@ -408,7 +409,8 @@ void validate( const CLI::App& app, TuneOptions& options )
 		const double most = 1e3 * ( options.common.max_d - options.common.min_d );
 		if ( !( options.error < most ) )
 		{
-			wrong( "--error", fmt::format( "{} mm is not less than the {} mm from --min-d to --max-d", options.error, most ),
+			refuseOption( "--error",
+			    fmt::format( "{} mm is not less than the {} mm from --min-d to --max-d", options.error, most ),
 			    "give a smaller error: with that one every answer is good" );
 		}
 	}
@@ -417,7 +419,7 @@ void validate( const CLI::App& app, TuneOptions& options )
 	if ( options.conservatism_given &&
 	     !( options.edge_conservatism >= least_conservatism && std::isfinite( options.edge_conservatism ) ) )
 	{
-		wrong( "--edge-conservatism",
+		refuseOption( "--edge-conservatism",
 		    fmt::format( "{} is not a finite number of at least {}", options.edge_conservatism, least_conservatism ),
 		    "give millimetres: every proof of a motion needs some room" );
 	}
@@ -439,7 +441,7 @@ void validate( const CLI::App& app, WorldOptions& options )
 	    { "view", { "--from", "--to", "--out", "--slack" } } };
 	if ( own.count( options.question ) == 0 )
 	{
-		wrong( "leeway world " + options.question, "is no question", "ask check, edge, audit, plan or view" );
+		refuseOption( "leeway world " + options.question, "is no question", "ask check, edge, audit, plan or view" );
 	}
 	const std::vector<std::string>& allowed = own.at( options.question );
 	for ( const auto& [question, names] : own )
@@ -448,7 +450,8 @@ void validate( const CLI::App& app, WorldOptions& options )
 		{
 			if ( given( app, name ) && std::find( allowed.begin(), allowed.end(), name ) == allowed.end() )
 			{
-				wrong( name, "has no meaning for leeway world " + options.question, "leave it out, or ask " + question );
+				refuseOption(
+				    name, "has no meaning for leeway world " + options.question, "leave it out, or ask " + question );
 			}
 		}
 	}
@@ -461,20 +464,21 @@ void validate( const CLI::App& app, WorldOptions& options )
 	{
 		if ( !std::isfinite( value ) )
 		{
-			wrong( option, "is not finite", "give seconds" );
+			refuseOption( option, "is not finite", "give seconds" );
 		}
 	}
 	if ( options.from_given && options.to_given && !( options.from <= options.to ) )
 	{
-		wrong( "--to", fmt::format( "{:g} s is before --from {:g} s", options.to, options.from ), "give a later time" );
+		refuseOption(
+		    "--to", fmt::format( "{:g} s is before --from {:g} s", options.to, options.from ), "give a later time" );
 	}
 	if ( options.question == "edge" && options.edges.empty() )
 	{
-		wrong( "--edges", "is missing", "give a table of motions" );
+		refuseOption( "--edges", "is missing", "give a table of motions" );
 	}
 	if ( options.question == "view" && options.out.empty() )
 	{
-		wrong( "--out", "is missing", "name the page" );
+		refuseOption( "--out", "is missing", "name the page" );
 	}
 	if ( options.question != "plan" )
 	{
@@ -482,11 +486,11 @@ void validate( const CLI::App& app, WorldOptions& options )
 	}
 	if ( options.goals.empty() )
 	{
-		wrong( "--goal", "is missing", "give ROBOT=STATE of each robot that is to move" );
+		refuseOption( "--goal", "is missing", "give ROBOT=STATE of each robot that is to move" );
 	}
 	if ( !given( app, "--deadline" ) || !( options.deadline > options.from ) || !std::isfinite( options.deadline ) )
 	{
-		wrong( "--deadline", "is missing, or not after --from",
+		refuseOption( "--deadline", "is missing, or not after --from",
 		    "give the seconds on the clock by which the goals are reached" );
 	}
 	requirePositive( "--seconds", options.search_seconds );
@@ -499,7 +503,7 @@ void validate( const CLI::App& app, const PictureOptions& options )
 	{
 		if ( options.file.empty() && given( app, option ) )
 		{
-			wrong( option, "is about a picture, and none is asked for", "add --png out.png, or leave it out" );
+			refuseOption( option, "is about a picture, and none is asked for", "add --png out.png, or leave it out" );
 		}
 	}
 	const auto is_number = []( const std::string& text )
@@ -515,26 +519,26 @@ void validate( const CLI::App& app, const PictureOptions& options )
 		more = comma != std::string::npos;
 		if ( !is_number( options.camera.substr( begin, comma - begin ) ) )
 		{
-			wrong( "--camera", options.camera + " is no list of numbers",
+			refuseOption( "--camera", options.camera + " is no list of numbers",
 			    "give AZIMUTH,ELEVATION or AZIMUTH,ELEVATION,DISTANCE" );
 		}
 		begin = comma + 1;
 	}
 	if ( parts == 1 || parts > 3 )
 	{
-		wrong( "--camera", options.camera + " has not two or three numbers",
+		refuseOption( "--camera", options.camera + " has not two or three numbers",
 		    "give AZIMUTH,ELEVATION or AZIMUTH,ELEVATION,DISTANCE" );
 	}
 	if ( !options.at.empty() && options.at != "least" && !is_number( options.at ) )
 	{
-		wrong( "--at", options.at + " is no number", "give a place of the motion, or least" );
+		refuseOption( "--at", options.at + " is no number", "give a place of the motion, or least" );
 	}
 	constexpr unsigned most_pixels = 16384;
 	for ( const auto& [option, pixels] : { std::pair( "--width", options.width ), std::pair( "--height", options.height ) } )
 	{
 		if ( pixels < 64 || pixels > most_pixels )
 		{
-			wrong( option, fmt::format( "{} is not between 64 and {}", pixels, most_pixels ), "give pixels" );
+			refuseOption( option, fmt::format( "{} is not between 64 and {}", pixels, most_pixels ), "give pixels" );
 		}
 	}
 }

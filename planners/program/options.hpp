@@ -240,6 +240,9 @@ struct CommonNeeds
 	bool cell = false;  ///< --world stands for --robot, --srdf, --scene and --group
 };
 
+/// @throws io::Error about an option of the command line
+[[noreturn]] void refuseOption( const std::string& option, const std::string& problem, const std::string& remedy );
+
 void addCommonOptions( CLI::App& app, CommonOptions& options, const CommonNeeds& needs );
 void addEdgeOptions( CLI::App& app, EdgeOptions& options );
 /// --certificate: a proof for others to check.

@@ -2,6 +2,7 @@
 #include "referee/judge.hpp"
 
 #include "leeway/handles.hpp"
+#include "motions/seconds.hpp"
 #include "referee/columns.hpp"
 
 #include <fmt/format.h>
@@ -20,11 +21,6 @@ constexpr double largest_gap = 1e-6; // radians and metres between pieces of a s
 constexpr double deepest_seconds = 1;
 
 using motions::Segment;
-
-double secondsSince( std::chrono::steady_clock::time_point begin )
-{
-	return std::chrono::duration<double>( std::chrono::steady_clock::now() - begin ).count();
-}
 
 std::vector<double> valueAt( const Segment& segment, std::size_t count, double t )
 {

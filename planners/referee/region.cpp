@@ -2,6 +2,7 @@
 #include "referee/region.hpp"
 
 #include "leeway/near.h"
+#include "motions/seconds.hpp"
 #include "referee/columns.hpp"
 #include "referee/polyhedron.hpp"
 
@@ -22,11 +23,6 @@ constexpr int longest_descent = 30;          // steps
 constexpr int deepening_steps = 40;
 constexpr double deepening = 0.003; // metres in a step
 constexpr double at_ends = 0.3;     // of random states: at the ends of their line, where IRIS regions collide most
-
-double secondsSince( std::chrono::steady_clock::time_point begin )
-{
-	return std::chrono::duration<double>( std::chrono::steady_clock::now() - begin ).count();
-}
 
 Polyhedron polyhedronOf( const io::Problem& problem, const Region& region, Box& box )
 {

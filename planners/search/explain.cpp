@@ -13,8 +13,8 @@ namespace leeway::planners
 namespace
 {
 
-constexpr int most_edges = 16;       // for one direction of a joint
-constexpr double least_gain = 0.005; // of the travel found so far, for one edge more
+constexpr int most_edges = 16;        // for one direction of a joint
+constexpr double least_share = 0.005; // of the travel found so far, for one edge more
 
 void sortByCount( std::vector<BlockingPair>& pairs )
 {
@@ -50,7 +50,7 @@ double measureTravel( const lw_checker* checker, lw_query* query, const lw_edge_
 		}
 		const double gain = result.proved_until * ( way - travel );
 		travel += gain;
-		if ( gain < least_gain * travel || gain <= 0 )
+		if ( gain < least_share * travel || gain <= 0 )
 		{
 			break;
 		}

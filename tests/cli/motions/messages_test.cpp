@@ -13,7 +13,7 @@ namespace
 const char* const point =
     R"({"positions": [-0.6, 0], "velocities": [], "accelerations": [], "effort": [], "time_from_start": {"sec": 0, "nanosec": 0}})";
 
-Json trajectory()
+Json timedMessage()
 {
 	Json out = Json::parse(
 	    R"({"header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}, "joint_names": ["shoulder", "elbow"]})" );
@@ -36,7 +36,7 @@ Json robotState()
 Json displayTrajectory()
 {
 	return { { "model_id", "" },
-	    { "trajectory", Json::array( { { { "joint_trajectory", trajectory() },
+	    { "trajectory", Json::array( { { { "joint_trajectory", timedMessage() },
 	                        { "multi_dof_joint_trajectory", Json::parse( multi_dof ) } } } ) },
 	    { "trajectory_start", robotState() } };
 }
@@ -45,13 +45,13 @@ const char* const tolerance = R"({"name": "shoulder", "position": 0.01, "velocit
 
 Json goal()
 {
-	return { { "trajectory", trajectory() }, { "multi_dof_trajectory", Json::parse( multi_dof ) },
+	return { { "trajectory", timedMessage() }, { "multi_dof_trajectory", Json::parse( multi_dof ) },
 	    { "path_tolerance", { Json::parse( tolerance ) } }, { "component_path_tolerance", Json::array() },
 	    { "goal_tolerance", Json::array() }, { "component_goal_tolerance", Json::array() },
 	    { "goal_time_tolerance", { { "sec", 0 }, { "nanosec", 0 } } } };
 }
 
-const char* const pole =
+const char* const attached_pole =
     R"([{"link_name": "fore", "object": {"id": "pole", "primitives": [{"type": 1, "dimensions": [0.02, 0.02, 2]}],
 	"primitive_poses": [{"position": {"x": 0.4, "y": 0, "z": 0}, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}}]}, "touch_links": ["tool"]}])";
 
@@ -109,7 +109,7 @@ TEST_F( CliMessages, MisspeltFieldsAreNamedWithTheFieldThatIsMeant )
 	          std::tuple( "/points/0", "postions", "positions" ), std::tuple( "", "joint_name", "joint_names" ),
 	          std::tuple( "/points/0/time_from_start", "nanosecs", "nanosec" ) } )
 	{
-		Json message = trajectory();
+		Json message = timedMessage();
 		message[Json::json_pointer( pointer )][wrong] = Json::array();
 		const Answer answer = audit( message );
 		EXPECT_EQ( answer.status, 2 ) << wrong;
@@ -122,7 +122,7 @@ TEST_F( CliMessages, OddTimesAndNumbersAreLocatedErrors )
 {
 	const auto expect = [&]( const std::string& at, const char* value, const std::string& word )
 	{
-		Json message = trajectory();
+		Json message = timedMessage();
 		message[Json::json_pointer( at )] = Json::parse( value );
 		const Answer answer = audit( message );
 		EXPECT_EQ( answer.status, 2 ) << at << " " << value;
@@ -146,7 +146,7 @@ TEST_F( CliMessages, OddTimesAndNumbersAreLocatedErrors )
 /// A limit that is misspelt, or switched on by a word that is no true, would be a limit less.
 TEST_F( CliMessages, JointLimitsAreDropped )
 {
-	write( "t.json", trajectory().dump() );
+	write( "t.json", timedMessage().dump() );
 	const auto said = [&]( const std::string& text )
 	{
 		write( "l.yaml", text );
@@ -192,7 +192,7 @@ TEST_F( CliMessages, DocumentsAfterTheFirstAreDropped )
 	EXPECT_EQ( runModel( "audit", { "--path", "p.yaml" } ).status, 0 );
 	write( "p.yaml", points + "---\n" + points );
 	EXPECT_TRUE( contains( runModel( "audit", { "--path", "p.yaml" } ).err, "is one of 2 YAML documents" ) );
-	const std::string one = trajectory().dump();
+	const std::string one = timedMessage().dump();
 	for ( const std::string& text : { one + one, one + "\n" + one, one + "\n--- " + one, one + "\n...\n" + one } )
 	{
 		write( "t.json", text );
@@ -225,7 +225,7 @@ TEST_F( CliMessages, KeysThatAreThereTwiceAreErrorsWithBothLines )
 		             contains( outcome.err, lines.second ) )
 		    << outcome.err;
 	}
-	write( "t.json", trajectory().dump() );
+	write( "t.json", timedMessage().dump() );
 	EXPECT_EQ( runModel( "audit", { "--trajectory", "t.json", "--joint-limits", "l.yaml" } ).status, 2 );
 	edit( "t.json", R"("joint_names")", R"("joint_names": ["elbow", "shoulder"], "joint_names")" );
 	const Outcome twice = runModel( "audit", { "--trajectory", "t.json" } );
@@ -238,7 +238,7 @@ TEST_F( CliMessages, KeysThatAreThereTwiceAreErrorsWithBothLines )
 
 TEST_F( CliMessages, MeaningsThatRosHasAreNotReplacedByOthers )
 {
-	Json accelerated = trajectory();
+	Json accelerated = timedMessage();
 	accelerated["points"][0]["accelerations"] = accelerated["points"][1]["accelerations"] = { 0.1, 0 };
 	EXPECT_TRUE( contains( audit( accelerated ).err, "accelerations and no velocities" ) );
 	for ( const auto& [value, word] :
@@ -259,7 +259,7 @@ TEST_F( CliMessages, MeaningsThatRosHasAreNotReplacedByOthers )
 	EXPECT_TRUE(
 	    contains( answer.report.dump(), "joint shoulder is at -0.6 in its first point and at 0.3 in its start state" ) )
 	    << answer.report.dump();
-	Json beyond = trajectory();
+	Json beyond = timedMessage();
 	beyond["trajectory_start"] = robotState();
 	beyond["trajectory_start"]["joint_state"]["position"] = { -0.6, 9 };
 	EXPECT_TRUE( contains( audit( beyond ).err, "elbow" ) );
@@ -269,7 +269,7 @@ TEST_F( CliMessages, APathFileWithAnAttachedObjectIsRefused )
 {
 	ASSERT_EQ( runModel( "plan", { "--goal", "shoulder=0.5", "--out", "p.yaml" } ).status, 0 );
 	edit( "p.yaml", "start_state:\n",
-	    std::string( "start_state:\n  attached_collision_objects: " ) + Json::parse( pole ).dump() + "\n" );
+	    std::string( "start_state:\n  attached_collision_objects: " ) + Json::parse( attached_pole ).dump() + "\n" );
 	const Outcome outcome = runModel( "audit", { "--path", "p.yaml" } );
 	EXPECT_EQ( outcome.status, 2 );
 	EXPECT_TRUE( contains( outcome.err, "attached_collision_objects" ) && contains( outcome.err, "--scene" ) )

@@ -210,6 +210,12 @@ bool isUtf8( std::string_view text )
 	return true;
 }
 
+std::string lower( std::string text )
+{
+	std::transform( text.begin(), text.end(), text.begin(), []( unsigned char c ) { return std::tolower( c ); } );
+	return text;
+}
+
 std::optional<double> parseNumber( std::string_view text )
 {
 	const std::string_view blanks = " \t\r\n";

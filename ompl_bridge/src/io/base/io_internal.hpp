@@ -21,12 +21,17 @@ namespace leeway::io::detail
 
 class XmlFile;
 
+constexpr double pi = 3.14159265358979323846;
+
 /// A quaternion whose length differs from 1 by more than this is worth a notice: 0.707 written for sqrt(1/2) gives 1.5e-4
 /// and turns nothing once normalised; more than 1e-3 is no rounding of a writer.
 constexpr double quaternion_notice_threshold = 1e-3;
 
 /// Names go into reports that have to be UTF-8.
 bool isUtf8( std::string_view text );
+
+/// ASCII letters in lower case; all other bytes as they are.
+std::string lower( std::string text );
 
 /// The bytes of a regular file: for names that stand in other files, and so lead to no stream of the program.
 /// @throws Error as readWholeFile()

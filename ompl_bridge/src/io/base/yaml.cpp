@@ -17,12 +17,6 @@ namespace leeway::io::detail
 namespace
 {
 
-std::string lower( std::string text )
-{
-	std::transform( text.begin(), text.end(), text.begin(), []( unsigned char c ) { return std::tolower( c ); } );
-	return text;
-}
-
 /// Refuses keys that are there twice, merge keys, and documents that contain themselves or would be far larger than their text.
 class DocumentCheck
 {

@@ -17,8 +17,6 @@ namespace leeway::io::detail::mjcf
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846;
-
 bool isIdentity( const lw_transform& t )
 {
 	const lw_transform identity = lw_transform_identity();

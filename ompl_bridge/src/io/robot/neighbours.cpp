@@ -19,7 +19,6 @@ namespace
 {
 
 constexpr std::size_t state_count = 200;
-constexpr double pi = 3.14159265358979323846;
 
 using LinkPair = std::pair<std::size_t, std::size_t>; ///< indices of links, the lesser first
 

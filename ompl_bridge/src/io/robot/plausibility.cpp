@@ -18,7 +18,6 @@ namespace leeway::io::detail
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr double two_turns = 4 * pi;    ///< radians: more than any arm's joint has, less than 13 degrees in radians
 constexpr double bounds_nothing = 1000; ///< radians
 constexpr double longest_rail = 20;     ///< metres

@@ -24,8 +24,6 @@ namespace
 using detail::Frames;
 using detail::joinNames;
 
-constexpr double pi = 3.14159265358979323846;
-
 std::vector<std::string> jointSuffixes( lw_joint_type type )
 {
 	switch ( type )
@@ -88,7 +86,7 @@ bool StateWriter::applyPlanar( const std::string& joint, const JointState& state
 	std::uint32_t first = m_index.at( joint + "/x" );
 	m_q[first] = value( "/trans_x", 0 );
 	m_q[first + 1] = value( "/trans_y", 0 );
-	m_q[first + 2] = std::remainder( 2 * std::atan2( value( "/rot_z", 0 ), value( "/rot_w", 1 ) ), 2 * pi );
+	m_q[first + 2] = std::remainder( 2 * std::atan2( value( "/rot_z", 0 ), value( "/rot_w", 1 ) ), 2 * detail::pi );
 	// A planar joint cannot follow the rest of the transform; below a micrometre or microradian it is rounding
 	if ( std::fabs( z ) > 1e-6 || std::hypot( x_turn, y_turn ) > 1e-6 )
 	{
@@ -718,7 +716,7 @@ std::vector<double> goalState( const Problem& problem, const Request& request )
 		double difference = goal.position - problem.reference[variable];
 		if ( lw_robot_variable( robot, variable ).wraps )
 		{
-			difference = std::remainder( difference, 2 * pi );
+			difference = std::remainder( difference, 2 * detail::pi );
 		}
 		// Files round to a few decimals; a microradian is no motion that was meant
 		double tolerance = std::fmax( 1e-6, difference > 0 ? goal.tolerance_below : goal.tolerance_above );

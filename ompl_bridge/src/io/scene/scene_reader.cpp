@@ -25,12 +25,6 @@ using detail::ShapeLoader;
 using detail::ShapeReader;
 using detail::YamlNode;
 
-std::string lower( std::string text )
-{
-	std::transform( text.begin(), text.end(), text.begin(), []( unsigned char c ) { return std::tolower( c ); } );
-	return text;
-}
-
 class SceneReader
 {
 public:

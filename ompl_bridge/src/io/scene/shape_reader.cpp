@@ -11,12 +11,6 @@ namespace leeway::io::detail
 namespace
 {
 
-std::string lower( std::string text )
-{
-	std::transform( text.begin(), text.end(), text.begin(), []( unsigned char c ) { return std::tolower( c ); } );
-	return text;
-}
-
 TriangleSoup readInlineMesh( const YamlNode& node )
 {
 	TriangleSoup soup;

@@ -2,6 +2,8 @@
 // The motion of an object as joints: see object_chain.hpp.
 #include "world/object_chain.hpp"
 
+#include "base/io_internal.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -12,8 +14,6 @@ namespace leeway::io::detail
 
 namespace
 {
-
-constexpr double pi = 3.14159265358979323846;
 
 /// Lines closer than this, in radians and metres, are one: an object is off by no more. Smaller shifts and turns are none.
 constexpr double same = 1e-9;
