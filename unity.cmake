@@ -3,7 +3,7 @@
 # in templates, so that eight files take as long as three. LEEWAY_UNITY=TESTS: tests and benchmarks, whose files need not stand alone.
 # LEEWAY_UNITY=ALL: the libraries and the program, too; for sanitizers, whose builds take twice as long. A name in an anonymous namespace then has to be
 # the only one of its target, or its file stands alone below.
-set(together_tests test_cli test_io test_native_planner test_ompl test_manifold_ompl test_pose_goals test_bench leeway_bench
+set(together_tests test_cli test_native_planner test_ompl test_manifold_ompl test_pose_goals test_bench leeway_bench
   leeway_planning)
 set(together_all leeway leeway_io leeway_ik leeway_view leeway_ompl leeway_planners leeway_plan leeway_pairs leeway_tune leeway_lines
   leeway_manifold leeway_certify leeway_referee leeway_replay leeway_fuzz_targets kitchen_model)
@@ -15,8 +15,8 @@ endif()
 foreach(target ${together})
   if(TARGET ${target})
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
-    # a fixture of an anonymous namespace is in no header, and a name of another file is hidden at will
-    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage> $<$<COMPILE_LANGUAGE:CXX>:-Wno-shadow>)
+    # a fixture of an anonymous namespace is in no header
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
   endif()
 endforeach()
 
@@ -27,8 +27,6 @@ function(leeway_alone target)
     set_source_files_properties(${ARGN} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()
 endfunction()
-leeway_alone(test_io io/mjcf/poses_test.cpp io/robot/urdf_test.cpp io/scene/articulation_test.cpp io/shape/gltf_test.cpp io/shape/shape_sets_test.cpp
-  io/world/world_test.cpp)
-leeway_alone(test_native_planner native_planner/portfolio_test.cpp)
+leeway_alone(test_native_planner native_planner/portfolio_test.cpp native_planner/proof_test.cpp)
 leeway_alone(test_cli cli/ends_test.cpp cli/pairs_fixture.cpp)
 leeway_alone(test_bench bench/report_test.cpp)

@@ -118,17 +118,13 @@ uint32_t lwi_checker_near_obstacles( const lw_checker* checker, lw_query* query,
 void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, uint32_t body, const lw_range* range,
 	struct lwi_cached_pair* cached, lw_clearance* out );
 
-/// One body and one obstacle under a bound of their own.
-/// @param cached as for lwi_checker_body_environment(); of another pair: not used, but written
-void lwi_checker_obstacle_pair( const lw_checker* checker, lw_query* query, uint32_t body, uint32_t shape,
-	struct lwi_cached_pair* cached, lwi_bound* bound );
-
 /// The self pairs that no bound proves to be at least bound->cutoff apart, as candidates in the query. The bound is not written.
 /// Returns a count for lwi_checker_next_near_self(), which takes one pair after the other: its id, or LW_INVALID_INDEX.
 uint32_t lwi_checker_near_self( const lw_checker* checker, lw_query* query, const lwi_bound* bound );
 uint32_t lwi_checker_next_near_self( const lw_checker* checker, lw_query* query, const lwi_bound* bound, uint32_t* count );
 
-/// Two bodies under a bound of their own. @param id as lwi_body_pair_id() @param cached as for lwi_checker_obstacle_pair()
+/// Two bodies under a bound of their own. @param id as lwi_body_pair_id()
+/// @param cached as for lwi_checker_body_environment(); of another pair: not used, but written
 void lwi_checker_self_pair( const lw_checker* checker, lw_query* query, uint32_t id, struct lwi_cached_pair* cached,
 	lwi_bound* bound );
 

@@ -448,25 +448,6 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 	}
 }
 
-void lwi_checker_obstacle_pair( const lw_checker* checker, lw_query* query, uint32_t body, uint32_t shape,
-	lwi_cached_pair* cached, lwi_bound* bound )
-{
-	const uint32_t pair = body * checker->scene->block_count * LWI_WIDTH + shape;
-	if ( cached->pair == pair && lwi_memory_pays( checker->base->bodies[body].shape, checker->scene->shapes[shape].shape ) )
-	{
-		measure_cached_pair( checker, query, cached, bound );
-	}
-	if ( !bound->done )
-	{
-		bound->current_pair = pair;
-		search_environment_pair( checker, query, body, shape, bound );
-	}
-	if ( bound->upper < INFINITY )
-	{
-		*cached = ( lwi_cached_pair ){ pair, bound->triangle_a, bound->triangle_b, bound->upper, true };
-	}
-}
-
 /// Both shapes of a static pair.
 static void note_pair( const lw_checker* checker, uint32_t pair, lwi_prefetch* prefetch )
 {

@@ -33,7 +33,6 @@ typedef struct lwi_front
 	lwi_front_part* parts;     ///< [LWI_FRONT_ROOM] of this search
 	uint32_t count;            ///< of these; they are all of the search only if it is `whole`
 	bool whole;
-	bool was_near; ///< the two were near in the last state: no test for far pairs comes first
 	double moved;  ///< metres: since the front was begun no distance of two points of the shapes changed by more
 	double offset; ///< metres: added to a gap of this search gives `apart`
 	double

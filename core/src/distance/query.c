@@ -34,18 +34,20 @@ static lwi_motion motion_of( const lw_transform* m )
 	return out;
 }
 
-/// Of measurements in double: everything but the tree frames.
+/// Of measurements in double: everything but the tree frames, which are not written: pairs of primitives have none.
 static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b,
 	const lw_transform* a_from_b, lwi_bound* bound )
 {
 	lwi_searching s;
-	memset( &s, 0, sizeof( s ) );
 	s.memory = memory;
 	s.kernels = memory->kernels;
 	s.a = a;
 	s.b = b;
 	s.a_from_b = a_from_b;
 	s.bound = bound;
+	s.front = NULL;
+	s.obbs = s.has_direction = s.shared.known = false;
+	s.guess_gap = 0;
 	s.radii =
 		( a->family == LWI_TRIANGLES ? a->radius : 0 ) + ( b->family == LWI_TRIANGLES ? b->radius : 0 ) + bound->margin;
 	const lw_vec3 shift = lwi_sub( lwi_transform( a_from_b, lwi_load( b->origin ) ), lwi_load( a->origin ) );
@@ -162,8 +164,7 @@ static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_
 		lwi_measure_items( &s, 0, 0 ); // cheaper than the boxes
 		return;
 	}
-	const bool near = memory->front != NULL && memory->front->was_near;
-	if ( memory->def.planes && !near && lwi_boxes_are_apart( a, b, a_from_b, bound ) )
+	if ( memory->def.planes && !bound->was_near && lwi_boxes_are_apart( a, b, a_from_b, bound ) )
 	{
 		return; // so nothing is inside of the other either
 	}

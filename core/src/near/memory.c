@@ -44,6 +44,12 @@ static double sum_of( lw_vec3 v )
 	return fabs( v.x ) + fabs( v.y ) + fabs( v.z );
 }
 
+/// About how far b moved, for pairs of which no bound is needed.
+static double shift_of( const lw_transform* before, const lw_transform* now )
+{
+	return fabs( now->t[0] - before->t[0] ) + fabs( now->t[1] - before->t[1] ) + fabs( now->t[2] - before->t[2] );
+}
+
 /// Metres: no distance of a point of a and a point of b changed by more. NaN or infinite if nothing is known.
 static double motion_between( const lw_shape* a, const lw_shape* b, const lw_transform* before, const lw_transform* now )
 {
@@ -126,7 +132,8 @@ typedef struct near_pair
 	const lw_shape *a, *b;
 	lwi_near_memory* memory;
 	uint32_t stride; ///< the pair is body * stride + other body or shape
-	double step;     ///< metres: motion since it was seen last; +INFINITY: it was not
+	double step;     ///< metres: motion since it was seen last; +INFINITY: not known
+	bool follows;    ///< the state is one of many on a way: for the time alone
 } near_pair;
 
 void lwi_near_open( lw_query* query )
@@ -145,7 +152,7 @@ static near_pair meet( const lw_checker* checker, lw_query* query, const lwi_nea
 	const uint32_t key = bodies->a * stride + bodies->b + ( bodies->self ? OF_SELF : 0 );
 	near_pair p = { checker, query, bodies, checker->base->bodies[bodies->a].shape,
 		bodies->self ? checker->base->bodies[bodies->b].shape : checker->scene->shapes[bodies->b].shape,
-		&query->cache.near[( key * 2654435769u ) >> ( 32 - LWI_NEAR_BITS )], stride, INFINITY };
+		&query->cache.near[( key * 2654435769u ) >> ( 32 - LWI_NEAR_BITS )], stride, INFINITY, false };
 	lwi_pose_body( checker, query, bodies->a );
 	if ( bodies->self )
 	{
@@ -155,14 +162,19 @@ static near_pair meet( const lw_checker* checker, lw_query* query, const lwi_nea
 		bodies->self ? &query->pose.world_from_body[bodies->b] : &checker->scene->shapes[bodies->b].world_from_shape;
 	const lw_transform a_from_b = lwi_relative( &query->pose.world_from_body[bodies->a], pose_b );
 	lwi_near_memory* m = p.memory;
-	if ( query->search.def.warm_start && m->bindings == query->pose.bindings && m->key == key )
+	const bool seen = query->search.def.warm_start && m->bindings == query->pose.bindings && m->key == key;
+	if ( seen )
 	{
-		p.step = motion_between( p.a, p.b, &m->a_from_b, &a_from_b );
+		// a near pair of two pieces is measured whatever it moved
+		p.step = m->far || lwi_memory_pays( p.a, p.b ) ? motion_between( p.a, p.b, &m->a_from_b, &a_from_b ) : INFINITY;
 	}
 	else
 	{
 		*m = ( lwi_near_memory ){ .nearest = { .pair = LW_INVALID_INDEX }, .bindings = query->pose.bindings, .key = key };
 	}
+	// states that have little to do with each other leave no fronts
+	const double step = p.step < INFINITY ? p.step : shift_of( &m->a_from_b, &a_from_b );
+	p.follows = seen && MOTIONS_AHEAD * step < fmin( p.a->sphere_radius, p.b->sphere_radius );
 	m->a_from_b = a_from_b;
 	m->moved += p.step;
 	if ( !( m->moved < MOST_MOVED ) )
@@ -174,36 +186,48 @@ static near_pair meet( const lw_checker* checker, lw_query* query, const lwi_nea
 	return p;
 }
 
+/// The nearest triangles of the last time first, then all.
+static void search_bodies( const near_pair* p, lwi_bound* bound )
+{
+	lwi_cached_pair* nearest = &p->memory->nearest;
+	bound->current_pair = p->bodies->a * p->stride + p->bodies->b;
+	bound->margin = -bound->range.min_d;
+	bound->was_near = p->follows && !p->memory->far;
+	if ( nearest->pair == bound->current_pair && lwi_memory_pays( p->a, p->b ) &&
+		 lwi_cached_pair_pays( p->query, nearest, bound ) )
+	{
+		lwi_measure_cached_pair( p->query, p->a, p->b, &p->memory->a_from_b, nearest, bound );
+	}
+	if ( !bound->done )
+	{
+		lwi_search( &p->query->search, p->a, p->b, &p->memory->a_from_b, bound );
+	}
+	if ( bound->upper < INFINITY )
+	{
+		*nearest = ( lwi_cached_pair ){ bound->current_pair, bound->triangle_a, bound->triangle_b, bound->upper, true };
+	}
+}
+
 /// The search itself, from the last one's front if there is one.
 static void search( near_pair* p, lwi_bound* bound )
 {
 	lwi_near_memory* m = p->memory;
 	lwi_query_cache* cache = &p->query->cache;
 	lwi_front front;
-	// states that have little to do with each other leave no fronts
-	const double least_radius = fmin( p->a->sphere_radius, p->b->sphere_radius );
-	const bool follows = MOTIONS_AHEAD * p->step < least_radius;
-	if ( follows )
+	const bool has_front = p->follows && p->step < INFINITY;
+	if ( has_front )
 	{
 		make_room( p->query );
 		front = ( lwi_front ){ .old = cache->fronts[0] + m->front,
 			.old_count = m->front_count,
 			.parts = cache->fronts[0] + cache->fronts_used,
-			.was_near = !m->far,
 			.moved = m->moved,
 			.ahead = MOTIONS_AHEAD * p->step };
 		p->query->search.front = &front;
 	}
-	if ( p->bodies->self )
-	{
-		lwi_checker_self_pair( p->checker, p->query, p->bodies->a * p->stride + p->bodies->b, &m->nearest, bound );
-	}
-	else
-	{
-		lwi_checker_obstacle_pair( p->checker, p->query, p->bodies->a, p->bodies->b, &m->nearest, bound );
-	}
+	search_bodies( p, bound );
 	p->query->search.front = NULL;
-	if ( !follows || !front.whole )
+	if ( !has_front || !front.whole )
 	{
 		m->front_count = 0;
 		return;

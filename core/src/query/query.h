@@ -138,10 +138,15 @@ static inline bool lwi_cached_pair_pays( const lw_query* query, const lwi_cached
 	return query->search.def.warm_start && cached->valid && cached->clearance < bound->cutoff;
 }
 
-/// Of two convex bodies there is one measurement, which the search makes.
+/// Of a primitive, a convex mesh, a ball or a segment: two of these have one measurement, which the search makes.
+static inline bool lwi_is_one_piece( const lw_shape* shape )
+{
+	return shape->primitive || shape->convex != NULL || shape->item_count == 1;
+}
+
 static inline bool lwi_memory_pays( const lw_shape* a, const lw_shape* b )
 {
-	return ( !a->primitive && a->convex == NULL ) || ( !b->primitive && b->convex == NULL );
+	return !lwi_is_one_piece( a ) || !lwi_is_one_piece( b );
 }
 
 /// lwi_measure() of the pair that was nearest last time: offers its distance in the current state to the bound.

@@ -94,42 +94,32 @@ static inline uint32_t lwi_direction_cell( lw_vec3 n )
 	return 9 * x + 3 * y + (uint32_t)( 1 + ( n.z > most ) - ( n.z < -most ) );
 }
 
+/// Searches begin with the first two lines of memory, each 64 bytes; reference counts, which threads write, are in another.
 struct lw_shape
 {
-	lwi_refcount references;
-	lw_allocator allocator;
 	lw_shape_type type;
 	lwi_family family;
-	lwi_deferred* deferred;  ///< NULL: the shape is complete. Else only its box, sphere and bytes are valid
-	bool primitive;          ///< convex or unbounded: no items, no tree
-	double radius;           ///< of a capsule, a sphere, all points of a set, a coarser mesh; else 0
-	double dimensions[3];    ///< of primitives, as given; [0] of the radius of a set or mesh
-	double excess;           ///< metres: of a coarser shape, how far it may reach beyond the original
-	uint32_t original_count; ///< items of the original; 0 if there is none
+	lwi_deferred* deferred; ///< NULL: the shape is complete. Else only its box, sphere and bytes are valid
+	bool primitive;         ///< convex or unbounded: no items, no tree
+	bool closed;            ///< declared solid: closed, and all points inside belong to it
+	float extent;           ///< >= largest |p_tree| over all geometry, rounded up: scale of float rounding errors
+	double radius;          ///< of a capsule, a sphere, all points of a set, a coarser mesh; else 0
+	double sphere_center[3], sphere_radius; ///< bound of the whole shape, dilation included, shape frame
 
-	// Bounds of the whole shape, dilation included, shape frame.
-	double box_min[3], box_max[3];
-	double sphere_center[3], sphere_radius;
-
-	// Triangles, balls, boxes: the original geometry in double, shape frame. Results are computed from it.
-	uint32_t vertex_count, item_count;
-	double* vertices;  ///< [vertex_count][3]; least and greatest corner of box i are 2i and 2i + 1
-	uint32_t* indices; ///< [item_count][3] of triangles, else NULL
-	double* radii;     ///< [item_count] of LW_SHAPE_SPHERES, else NULL
-	uint32_t degenerate_count;
-
-	// Meshes only.
-	uint32_t part_count;           ///< connected parts
-	uint32_t parts[LWI_MAX_PARTS]; ///< a triangle of each, if there are no more than these
-	bool closed;                   ///< declared solid: closed, and all points inside belong to it
-	uint32_t component_count;      ///< closed surfaces of a mesh that has an inside
+	/// Sphere tree, tree frame = shape frame shifted by origin: p_tree = p_shape - origin. Centre of the vertices' box.
+	double origin[3];
+	lwi_convex_mesh* convex; ///< of a convex mesh, else NULL
 	/// [item_count] number << 2 | flags; LW_INVALID_INDEX: degenerate. Of a mesh that is declared solid, or closed: depths count its
 	/// inside, and distances only if it is declared. NULL: no inside.
 	uint32_t* components;
+	// Triangles, balls, boxes: the original geometry in double, shape frame. Results are computed from it.
+	double* vertices;  ///< [vertex_count][3]; least and greatest corner of box i are 2i and 2i + 1
+	uint32_t* indices; ///< [item_count][3] of triangles, else NULL
+	double* radii;     ///< [item_count] of LW_SHAPE_SPHERES, else NULL
 
-	// Sphere tree, tree frame = shape frame shifted by origin: p_tree = p_shape - origin.
-	double origin[3];     ///< centre of the vertices' box
-	float extent;         ///< >= largest |p_tree| over all geometry, rounded up: scale of float rounding errors
+	double box_min[3], box_max[3]; ///< of the whole shape, dilation included, shape frame
+	double dimensions[3];          ///< of primitives, as given; [0] of the radius of a set or mesh
+	uint32_t vertex_count, item_count;
 	lwi_ref root;         ///< a node, or a leaf if everything fits into one
 	float root_sphere[4]; ///< x, y, z, r: contains everything, tree frame
 	uint32_t node_count, leaf_count, depth;
@@ -138,14 +128,24 @@ struct lw_shape
 	lwi_leaf* leaves;           ///< of triangles
 	lwi_ball_leaf* ball_leaves; ///< of balls
 	lwi_box_leaf* box_leaves;   ///< of boxes
-	lwi_convex_mesh* convex;    ///< of a convex mesh, else NULL
-	uint32_t extreme_blocks; ///< vertices of a bounded shape far along some directions, inside its convex hull; tree frame
 	lwi_points8* extreme_points;
+	uint32_t extreme_blocks; ///< vertices of a bounded shape far along some directions, inside its convex hull; tree frame
 
 	/// What is below each child of the root, of a dense mesh that is not solid: their hulls are apart where the whole's are
 	/// not. A piece shares the whole's arrays and frame; root, sphere, box and extreme points are its own; it has no items.
 	uint32_t piece_count; ///< 0: no pieces
 	lw_shape* pieces;     ///< [piece_count]
+
+	// Meshes only.
+	uint32_t part_count;           ///< connected parts
+	uint32_t parts[LWI_MAX_PARTS]; ///< a triangle of each, if there are no more than these
+	uint32_t component_count;      ///< closed surfaces of a mesh that has an inside
+	uint32_t degenerate_count;
+
+	lwi_refcount references;
+	uint32_t original_count; ///< items of the original; 0 if there is none
+	double excess;           ///< metres: of a coarser shape, how far it may reach beyond the original
+	lw_allocator allocator;
 	size_t bytes;
 };
 

@@ -21,6 +21,7 @@ namespace leeway::io
 namespace
 {
 
+using detail::lower;
 using detail::ShapeLoader;
 using detail::ShapeReader;
 using detail::YamlNode;
