@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway plan --line: a frame goes along lines and arcs.
 #include "leeway/lines/lines.hpp"
+#include "commands/driven_plan.hpp"
 #include "commands/limits_file.hpp"
 #include "motions/csv.hpp"
 #include "motions/json.hpp"
@@ -56,11 +57,6 @@ void refuseOthers( const PlanOptions& options )
 	if ( !options.out.empty() )
 	{
 		wrong( "--out", "stands beside --line, whose motion has no straight edges", "give --trajectory FILE" );
-	}
-	if ( !options.certificate.empty() || !options.view.empty() )
-	{
-		wrong( "--line", "writes a trajectory alone",
-		    "ask leeway audit --trajectory FILE for its certificate, leeway view --trajectory FILE for its page" );
 	}
 	requirePositive( "--line-tolerance", options.line.tolerance );
 	requirePositive( "--line-angle", options.line.angle );
@@ -170,7 +166,7 @@ int runLine( const PlanOptions& options )
 	refuseOthers( options );
 	Notices notices( options.common.verbose );
 	JointLimits limits = limitsOfFile( options.joint_limits );
-	OutputFile timed( "--trajectory", options.trajectory ), report( "--report", options.report );
+	DrivenPlan driven( options );
 	Input input = loadInput( options.common, notices );
 	note( limits, options.joint_limits, input.robot, notices );
 	input.max_d = options.common.min_d + planning_horizon;
@@ -195,31 +191,16 @@ int runLine( const PlanOptions& options )
 	const lines::Task task = taskOf( options.line, problem );
 	const double begin = now();
 	const lines::Result line = lines::planLines( input.robot, problem, task, settings );
-	std::vector<OutputFile*> files;
-	if ( !options.report.empty() )
-	{
-		report.text = reportOf( line, now() - begin );
-		files.push_back( &report );
-	}
+	const std::string report = reportOf( line, now() - begin );
 	std::string text = lines::describe( problem, line );
-	bool good = line.solved;
+	std::vector<std::string> notes = { text };
 	if ( line.solved )
 	{
-		TrajectorySettings as_driven;
-		as_driven.edge = settings.edge;
-		as_driven.limits = limits;
-		const TrajectoryAudit proof = auditTrajectory( problem, input.robot, "the line", line.segments, as_driven );
-		text += motions::describe( proof );
-		good = proof.valid();
+		driven.drive( problem, input, line.segments, limits, "the line" );
+		text += driven.told();
 	}
-	if ( good )
-	{
-		timed.text = robotTrajectory( endsOf( problem, line.segments ) );
-		files.push_back( &timed );
-	}
-	commitTogether( files );
-	good && !options.trajectory.empty() ? printOut( text ) : tell( "{}", text );
-	return good ? exit_yes : exit_no;
+	return driven.finish( problem, input, line.solved && driven.isProved(), text, report,
+	    "it proves clearances; that the frame stays on its lines is no part of it", notes );
 }
 
 } // namespace leeway::cli

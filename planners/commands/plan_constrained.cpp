@@ -2,6 +2,7 @@
 // leeway plan with a request that has path_constraints: a trajectory that is proved to keep them.
 #include "leeway/manifold/plan.hpp"
 #include "commands/limits_file.hpp"
+#include "commands/driven_plan.hpp"
 #include "commands/plan_solution.hpp"
 #include "motions/json.hpp"
 #include "program/ends.hpp"
@@ -37,11 +38,6 @@ void refuseOtherPlans( const PlanOptions& options )
 	{
 		refuseOption(
 		    "--out", "is for straight edges; a motion that keeps path_constraints bends", "give --trajectory FILE" );
-	}
-	if ( !options.certificate.empty() || !options.view.empty() )
-	{
-		refuseOption( options.view.empty() ? "--certificate" : "--view", "stands beside path_constraints",
-		    "ask leeway audit --trajectory FILE for a certificate, leeway view --trajectory FILE for a page" );
 	}
 }
 
@@ -133,7 +129,7 @@ int runConstrainedPlan( const PlanOptions& options )
 	refuseOtherPlans( options );
 	Notices notices( options.common.verbose );
 	JointLimits limits = limitsOfFile( options.joint_limits );
-	OutputFile timed( "--trajectory", options.trajectory ), report( "--report", options.report );
+	DrivenPlan driven( options );
 	io::PathConstraints path;
 	Input input = loadInput( options.common, notices, &path );
 	note( limits, options.joint_limits, input.robot, notices );
@@ -142,7 +138,6 @@ int runConstrainedPlan( const PlanOptions& options )
 	const Workbench bench( input, ends.group, {}, notices );
 	const io::Problem& problem = bench.problem();
 	manifold::Settings settings;
-	TrajectorySettings as_driven;
 	settings.edge.min_d = options.common.min_d;
 	settings.edge.flags = options.common.checkFlags();
 	settings.edge.slack = options.edge.slack;
@@ -151,35 +146,28 @@ int runConstrainedPlan( const PlanOptions& options )
 	settings.seed = options.seed;
 	settings.seconds = timeLimit( options, *input.request );
 	settings.shortcuts = options.simplify ? settings.shortcuts : 0;
-	as_driven.edge = settings.edge;
-	as_driven.limits = limits;
 	const manifold::Task task = taskOf( options, input, bench, ends, path, settings.edge );
 	const manifold::Result plan = manifold::planPath( input.robot, problem, path, task, settings );
 	requireKept( ends, plan );
 	std::string text = manifold::describe( plan );
-	std::vector<OutputFile*> files;
 	std::vector<ConstraintProof> proofs;
+	std::vector<std::string> notes = { plan.solved() ? "planned on the constraints along the path"
+	                                                 : fmt::format( "no path was found: {}", name( plan.outcome ) ) };
 	bool good = plan.solved();
 	if ( plan.solved() )
 	{
-		// What is proved is what the file says
-		const TrajectoryFile file = endsOf( problem, plan.segments );
-		const std::vector<Segment> segments = segmentsOf( problem, file, Interpolation::automatic, 0 );
-		const TrajectoryAudit audit = auditTrajectory( problem, input.robot, "the plan", segments, as_driven );
+		const std::vector<Segment>& segments = driven.drive( problem, input, plan.segments, limits, "the plan" );
 		proofs = proveConstraints( problem, path, since( segments, plan.mended ), {} );
-		text += motions::describe( audit ) + motions::describe( proofs );
-		good = audit.valid() && areKept( proofs );
-		timed.text = robotTrajectory( file );
-		good ? files.push_back( &timed ) : void();
+		text += driven.told() + motions::describe( proofs );
+		good = driven.isProved() && areKept( proofs );
+		for ( const ConstraintProof& proof : proofs )
+		{
+			notes.push_back( motions::describe( proof ) );
+		}
 	}
-	if ( !options.report.empty() )
-	{
-		report.text = jsonText( reportOf( plan, proofs, good ) );
-		files.push_back( &report );
-	}
-	commitTogether( files );
-	good && !options.trajectory.empty() ? printOut( text ) : tell( "{}", text );
-	return good ? exit_yes : exit_no;
+	return driven.finish( problem, input, good, text, jsonText( reportOf( plan, proofs, good ) ),
+	    "it proves clearances; path_constraints are no part of it: leeway audit --trajectory FILE --request FILE proves them",
+	    notes );
 }
 
 } // namespace leeway::cli

@@ -161,7 +161,7 @@ TEST_F( CliConstraints, GoalsAndOptionsThatCannotBeAreTaken )
 	EXPECT_TRUE( contains( goal.err, "goal_constraints" ) ) << goal.err;
 	audit( joint( 2, 2 ) );
 	for ( const std::vector<std::string>& more : { std::vector<std::string>{ "--out", "path.yaml" }, { "--planner", "RRT" },
-	          { "--optimize", "1" }, { "--validator", "steps" }, { "--certificate", "c" }, { "--view", "v.html" } } )
+	          { "--optimize", "1" }, { "--validator", "steps" } } )
 	{
 		std::vector<std::string> arguments = { "--request", "q.yaml" };
 		arguments.insert( arguments.end(), more.begin(), more.end() );
@@ -169,4 +169,20 @@ TEST_F( CliConstraints, GoalsAndOptionsThatCannotBeAreTaken )
 		EXPECT_EQ( outcome.status, 2 ) << more[0];
 		EXPECT_TRUE( contains( outcome.err, more[0] ) ) << outcome.err;
 	}
+}
+
+TEST_F( CliConstraints, AProvedPlanHasNoCertificateAndNoPage )
+{
+	audit( joint( 2, 2 ) + box( 1.7 ) ); // writes the request
+	std::vector<std::string> arguments = { "--request", "q.yaml", "--trajectory", "plan.json", "--certificate", "plan.lwc" };
+#ifdef LEEWAY_HAS_VIEW
+	arguments.insert( arguments.end(), { "--view", "plan.html" } );
+#endif
+	const Outcome plan = runModel( "plan", arguments, "blocked.yaml" );
+	ASSERT_EQ( plan.status, 0 ) << plan.err;
+	EXPECT_TRUE( contains( plan.out, "path_constraints are no part of it" ) ) << plan.out;
+	EXPECT_FALSE( readFile( path( "plan.lwc" ) ).empty() );
+#ifdef LEEWAY_HAS_VIEW
+	EXPECT_TRUE( contains( readFile( path( "plan.html" ) ), "kept at all times, proved" ) );
+#endif
 }

@@ -113,3 +113,25 @@ TEST_F( CliLine, OptionsThatCannotBeMeant )
 		EXPECT_TRUE( contains( plan.err, wrong.words ) ) << "lacks '" << wrong.words << "': " << plan.err;
 	}
 }
+
+TEST_F( CliLine, AProvedLineHasNoCertificateAndNoPage )
+{
+	std::vector<std::string> more = { "--trajectory", "line.json", "--certificate", "line.lwc" };
+	std::vector<std::string> blocked = { "--trajectory", "none.json", "--certificate", "none.lwc" };
+#ifdef LEEWAY_HAS_VIEW
+	more.insert( more.end(), { "--view", "line.html" } );
+	blocked.insert( blocked.end(), { "--view", "none.html" } );
+#endif
+	const Outcome plan = line( { "tool=0.6,0,0" }, more );
+	ASSERT_EQ( plan.status, 0 ) << plan.err;
+	EXPECT_TRUE( contains( plan.out, "that the frame stays on its lines is no part of it" ) ) << plan.out;
+	EXPECT_FALSE( readFile( path( "line.lwc" ) ).empty() );
+	// Of a line that is not found nothing is certified; the page shows the start, and why
+	EXPECT_EQ( line( { "tool=0.6,0.3,0" }, blocked, "blocked.yaml" ).status, 1 );
+	EXPECT_TRUE( readFile( path( "none.json" ) ).empty() );
+	EXPECT_TRUE( readFile( path( "none.lwc" ) ).empty() );
+#ifdef LEEWAY_HAS_VIEW
+	EXPECT_TRUE( contains( readFile( path( "line.html" ) ), "proved at all times" ) );
+	EXPECT_TRUE( contains( readFile( path( "none.html" ) ), "come too near" ) );
+#endif
+}

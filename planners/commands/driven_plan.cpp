@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is proved, certified and shown is what a reader of the trajectory's file drives.
+#include "commands/driven_plan.hpp"
+#include "motions/report.hpp"
+
+namespace leeway::cli
+{
+
+DrivenPlan::DrivenPlan( const PlanOptions& options )
+    : m_options( options ), m_timed( "--trajectory", options.trajectory ), m_report( "--report", options.report ),
+      m_certificate( options.certificate ), m_view( options.view )
+{
+}
+
+const std::vector<Segment>& DrivenPlan::drive( const io::Problem& problem, const Input& input,
+    const std::vector<Segment>& segments, const JointLimits& limits, const std::string& name )
+{
+	const TrajectoryFile file = endsOf( problem, segments );
+	TrajectorySettings settings;
+	settings.edge.min_d = m_options.common.min_d;
+	settings.edge.flags = m_options.common.checkFlags();
+	settings.edge.slack = m_options.edge.slack;
+	settings.limits = limits;
+	m_name = name;
+	m_segments = segmentsOf( problem, file, Interpolation::automatic, 0 );
+	const TrajectoryAudit audit = auditTrajectory( problem, input.robot, name, m_segments, settings );
+	m_timed.text = robotTrajectory( file );
+	m_told = motions::describe( audit );
+	m_proved = audit.valid();
+	return m_segments;
+}
+
+PageInput DrivenPlan::page( const io::Problem& problem, const Input& input, std::vector<std::string> notes ) const
+{
+	const lw_check_flags flags = m_options.common.checkFlags();
+	Progress progress( "measuring the motion" );
+	const Measuring how = { problem, flags, m_options.common.min_d, m_options.common.request, shownBy( progress ) };
+	ViewMotion motion = m_segments.empty()
+	                        ? motionOfStates( problem, { io::startState( problem ) }, {}, flags, m_options.common.request )
+	                        : motionOfTrajectory( how, m_segments );
+	PageInput page = pageOf( input, problem, std::move( motion ), flags );
+	page.min_d = m_options.common.min_d;
+	page.source = m_options.trajectory;
+	page.notes = std::move( notes );
+	return page;
+}
+
+int DrivenPlan::finish( const io::Problem& problem, const Input& input, bool good, const std::string& text,
+    std::string report, const std::string& unproved, std::vector<std::string> notes )
+{
+	std::vector<OutputFile*> files;
+	bool is_certified = true;
+	if ( good )
+	{
+		files.push_back( &m_timed );
+		std::vector<certify::Piece> pieces;
+		for ( const Segment& segment : m_segments )
+		{
+			pieces.push_back( { segment.degree, segment.points, segment.seconds } );
+		}
+		is_certified = m_certificate.write( problem, input, pieces,
+		    claimOf( m_options.common.min_d, m_options.common.checkFlags(), cli::filesOf( m_options.common, "" ) ), m_name,
+		    files );
+	}
+	if ( !m_options.report.empty() )
+	{
+		m_report.text = std::move( report );
+		files.push_back( &m_report );
+	}
+	if ( m_view.isWanted() )
+	{
+		m_view.write( page( problem, input, std::move( notes ) ), files );
+	}
+	commitTogether( files );
+	const std::string& certified = m_certificate.told();
+	const std::string all =
+	    text + certified + ( certified.empty() || unproved.empty() ? "" : "            " + unproved + "\n" );
+	good && !m_options.trajectory.empty() ? printOut( all ) : tell( "{}", all );
+	return good && is_certified ? exit_yes : exit_no;
+}
+
+} // namespace leeway::cli

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A planned motion of cubics as a controller drives it: its trajectory, the proof of what that file says, its certificate and its page.
+#pragma once
+
+#include "commands/certificate_file.hpp"
+#include "commands/page_file.hpp"
+
+#include "leeway/motions/timed.hpp"
+
+namespace leeway::cli
+{
+
+/// Results of plan --line and of plans with constraints. Files are opened at once.
+class DrivenPlan
+{
+public:
+	/// @throws io::Error for a file that cannot be written
+	explicit DrivenPlan( const PlanOptions& options );
+	/// Makes the trajectory, and proves clearances and limits of the segments that its reader drives.
+	/// @param limits of the joints, in place of those of the robot
+	/// @param name of the motion, for errors @return these segments
+	const std::vector<Segment>& drive( const io::Problem& problem, const Input& input, const std::vector<Segment>& segments,
+	    const JointLimits& limits, const std::string& name );
+	/// The last drive was proved.
+	bool isProved() const { return m_proved; }
+	/// Writes all files together, and tells.
+	/// @param good the motion is written; else only the report and the page
+	/// @param unproved of a certificate, a sentence on what it leaves out; empty: nothing
+	/// @param notes sentences for the page
+	/// @return exit status
+	int finish( const io::Problem& problem, const Input& input, bool good, const std::string& text, std::string report,
+	    const std::string& unproved, std::vector<std::string> notes );
+	/// Lines for people about the last drive.
+	const std::string& told() const { return m_told; }
+
+private:
+	PageInput page( const io::Problem& problem, const Input& input, std::vector<std::string> notes ) const;
+
+	const PlanOptions& m_options;
+	OutputFile m_timed, m_report;
+	CertificateFile m_certificate;
+	ViewFile m_view;
+	std::vector<Segment> m_segments;
+	std::string m_name, m_told;
+	bool m_proved = false;
+};
+
+} // namespace leeway::cli
