@@ -60,14 +60,7 @@ manifold::Task taskOf( const PlanOptions& options, const Input& input, const Wor
 void requireKept( const PlanEnds& ends, const manifold::Result& plan )
 {
 	const auto fail = [&plan]( const EndPlace& end, const std::string& remedy )
-	{
-		std::string all = name( plan.outcome );
-		for ( const std::string& reason : plan.reasons )
-		{
-			all += ( &reason == &plan.reasons.front() ? ": " : "; " ) + reason;
-		}
-		throw io::Error( end.file, end.element, all, remedy );
-	};
+	{ throw io::Error( end.file, end.element, summary( plan ), remedy ); };
 	switch ( plan.outcome )
 	{
 	case manifold::Outcome::START_BROKEN:

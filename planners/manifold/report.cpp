@@ -15,6 +15,16 @@ const char* name( Outcome outcome )
 	return names[static_cast<int>( outcome )];
 }
 
+std::string summary( const Result& r )
+{
+	std::string all = name( r.outcome );
+	for ( const std::string& reason : r.reasons )
+	{
+		all += ( &reason == &r.reasons.front() ? ": " : "; " ) + reason;
+	}
+	return all;
+}
+
 std::string describe( const Result& r )
 {
 	if ( !r.solved() )

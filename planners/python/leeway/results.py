@@ -234,6 +234,24 @@ class Line(NamedTuple):
         return f"Line({len(self.times)} points)" if self.solved else f"Line({self.message.splitlines()[0]})"
 
 
+class ConstrainedPlan(NamedTuple):
+    """A motion that keeps constraints along the path: cubics between points, proved. Only a solved one has points."""
+    solved: bool
+    times: Array  #: float64 [n], seconds
+    positions: Array  #: float64 [n, dof]
+    velocities: Array  #: float64 [n, dof]
+    mended: float  #: seconds that lead the start to the constraints, which are kept from then on; 0: none
+    length: float  #: in joint space, after that
+    straight: int  #: pieces of the path
+    bent: int
+    rests: int  #: stops on the way
+    seconds: float  #: of the search
+    message: str  #: the reasons without a plan; empty if solved
+
+    def __repr__(self) -> str:
+        return f"ConstrainedPlan({len(self.times)} points)" if self.solved else f"ConstrainedPlan({self.message.splitlines()[0]})"
+
+
 class Plan(NamedTuple):
     """Result of a search. Only Outcome.SOLVED has a path; no other outcome says that there is none."""
     outcome: Outcome

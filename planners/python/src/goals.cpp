@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Inverse kinematics: Checker.goal_states(), states that are proved free; leeway.Inverse, one frame's poses in batches. Checker.plan_line(): lines
 // and arcs of a link's frame.
-#include "objects.hpp"
+#include "constrained.hpp"
 
 #include "leeway/ik/inverse.hpp"
 #include "leeway/lines/lines.hpp"
@@ -237,41 +237,6 @@ std::vector<lines::Waypoint> waypointsOf( const nb::object& poses )
 	return waypoints;
 }
 
-std::vector<double> limitOf(
-    const PyChecker& checker, const nb::object& given, const char* name, std::vector<double> otherwise )
-{
-	if ( given.is_none() )
-	{
-		return otherwise;
-	}
-	const Doubles numbers = nb::cast<Doubles>( given );
-	const double* values = vectorOf( numbers, checker.variables(), name, "variables of the group" );
-	return { values, values + checker.variables() };
-}
-
-motions::MotionLimits limitsOf( const PyChecker& checker, const nb::object& velocity, const nb::object& acceleration )
-{
-	motions::MotionLimits limits;
-	if ( velocity.is_none() )
-	{
-		limits = motions::motionLimits( *checker.problem, *checker.model, {} );
-	}
-	limits.velocity = limitOf( checker, velocity, "velocity", limits.velocity );
-	limits.acceleration = limitOf(
-	    checker, acceleration, "acceleration", std::vector<double>( checker.variables(), motions::default_acceleration ) );
-	for ( const std::vector<double>* values : { &limits.velocity, &limits.acceleration } )
-	{
-		for ( const double value : *values )
-		{
-			if ( !( value > 0 && value < HUGE_VAL ) )
-			{
-				throw nb::value_error( "velocity, acceleration: limits have to be above 0, and finite" );
-			}
-		}
-	}
-	return limits;
-}
-
 nb::object lineOf( const PyChecker& checker, const lines::Result& line )
 {
 	const std::size_t points = line.solved ? line.segments.size() + 1 : 0, count = checker.variables();
@@ -377,6 +342,7 @@ void bindGoals( nb::class_<PyChecker>& type )
 	    "and a turn of angle_tolerance radians about each axis (pi: any turn). Returns (states float64 [k, dof] with k <= count, the\n"
 	    "nearest to `start` first; message with the reason if there is none). Equal seeds give equal states. Raises InputError." );
 	bindLine( type );
+	bindConstrained( type );
 }
 
 void bindInverses( nb::module_& module )

@@ -24,4 +24,7 @@ struct PathConstraints
 /// @throws Error
 Request loadConstrainedRequest( const std::string& file, PathConstraints& path );
 
+/// The same of a document in memory. @param name of it, for errors
+Request parseConstrainedRequest( const std::string& name, const std::string& text, PathConstraints& path );
+
 } // namespace leeway::io

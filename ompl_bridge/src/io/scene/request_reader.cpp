@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Motion plan requests (moveit_msgs/MotionPlanRequest in YAML): start state, goal, group.
 #include "base/yaml.hpp"
+#include "leeway/io/limits.hpp"
 #include "leeway/io/path_constraints.hpp"
 #include "scene/pose_goal_reader.hpp"
 
@@ -124,11 +125,11 @@ PathConstraints readPathConstraints( const YamlNode& constraints )
 }
 
 /// @param path null: constraints along the path are an error
-Request readRequest( const std::string& file, PathConstraints* path )
+Request readRequest( const std::string& file, std::string text, PathConstraints* path )
 {
 	Request request;
 	request.file = file;
-	YamlNode root = YamlNode::load( file, request.notices );
+	YamlNode root = YamlNode::parse( file, std::move( text ), request.notices );
 	if ( !root["goal_constraints"].defined() && ( root["world"].defined() || root["robot_state"].defined() ) )
 	{
 		throw Error( file, "goal_constraints", "this is a planning scene, not a request",
@@ -186,12 +187,17 @@ Request readRequest( const std::string& file, PathConstraints* path )
 
 Request loadRequest( const std::string& file )
 {
-	return readRequest( file, nullptr );
+	return readRequest( file, readWholeFile( file ), nullptr );
 }
 
 Request loadConstrainedRequest( const std::string& file, PathConstraints& path )
 {
-	return readRequest( file, &path );
+	return readRequest( file, readWholeFile( file ), &path );
+}
+
+Request parseConstrainedRequest( const std::string& name, const std::string& text, PathConstraints& path )
+{
+	return readRequest( name, text, &path );
 }
 
 } // namespace leeway::io

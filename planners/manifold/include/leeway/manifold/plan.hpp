@@ -84,5 +84,7 @@ std::vector<std::vector<double>> constrainedGoals( const io::RobotModel& robot, 
 
 /// Lines for people.
 std::string describe( const Result& result );
+/// The outcome and its reasons in one line.
+std::string summary( const Result& result );
 
 } // namespace leeway::manifold

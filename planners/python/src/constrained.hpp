@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Checker.plan_request(), and what it shares with Checker.plan_line().
+#pragma once
+
+#include "objects.hpp"
+
+#include "leeway/motions/timed.hpp"
+
+namespace leeway::python
+{
+
+/// Limits of a motion: those of the arguments; None: of the robot, for accelerations 1.
+/// @throws nb::value_error for another shape, or a limit that is not above 0
+motions::MotionLimits limitsOf( const PyChecker& checker, const nb::object& velocity, const nb::object& acceleration );
+
+void bindConstrained( nb::class_<PyChecker>& type );
+
+} // namespace leeway::python
