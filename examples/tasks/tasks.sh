@@ -33,7 +33,7 @@ lines=()
 while read -r pose; do
 	lines+=( --line "hand=$pose" )
 done <"$out/seam.txt"
-plan seam arm "${lines[@]}" --line-tip 0,0,0.12 --free-axis 0,0,1 --any-start
+plan seam arm "${lines[@]}" --line-tip 0,0,0.12 --free-axis 0,0,1 --any-start --line-blend 0.005
 
 # The files alone, without the planner: constraints and clearances as a controller drives them
 printf '\n=== audits\n'

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace leeway::cli
 {
@@ -60,6 +61,10 @@ void refuseOthers( const PlanOptions& options )
 	}
 	requirePositive( "--line-tolerance", options.line.tolerance );
 	requirePositive( "--line-angle", options.line.angle );
+	if ( !( options.line.blend >= 0 && std::isfinite( options.line.blend ) ) )
+	{
+		wrong( "--line-blend", "is no radius", "give metres, 0 or more" );
+	}
 	if ( !( options.line.speed > 0 ) )
 	{
 		wrong( "--line-speed", "is no speed above 0", "give metres per second" );
@@ -78,8 +83,16 @@ lw_transform startPose( const io::Problem& problem, const lines::Task& task )
 	return lw_transform_multiply( &back, &tip );
 }
 
-lines::Waypoint waypointOf( const std::string& option, const std::string& text, const lw_transform& before )
+/// @param text of a pose: numbers, then " via X,Y,Z" or " blend R" @param radius of the blend, if the text has one
+lines::Waypoint waypointOf(
+    const std::string& option, std::string text, const lw_transform& before, std::optional<double>& radius )
 {
+	const std::size_t blend = text.find( " blend " );
+	if ( blend != std::string::npos )
+	{
+		radius = numbersOf( option, text.substr( blend + 7 ), 1, 1 ).front();
+		text.resize( blend );
+	}
 	const std::size_t via = text.find( " via " );
 	const std::vector<double> numbers = numbersOf( option, text.substr( 0, via ), 3, 7 );
 	lines::Waypoint waypoint = { numbers.size() == 7 ? poseOf( option, numbers ) : before };
@@ -92,10 +105,22 @@ lines::Waypoint waypointOf( const std::string& option, const std::string& text, 
 	return waypoint;
 }
 
+/// --line-blend: of corners between two lines whose own text has no radius.
+void blendCorners( double radius, const std::vector<std::optional<double>>& own, lines::Task& task )
+{
+	for ( std::size_t i = 0; i < own.size(); ++i )
+	{
+		const bool inner = i + 1 < own.size() && ( i > 0 || !task.any_start );
+		const bool lines = inner && !task.waypoints[i].via && !task.waypoints[i + 1].via;
+		task.waypoints[i].blend = own[i].value_or( lines ? radius : 0 );
+	}
+}
+
 lines::Task taskOf( const LineOptions& line, const io::Problem& problem )
 {
 	lines::Task task;
 	std::string link;
+	std::vector<std::optional<double>> radii;
 	for ( const std::string& text : line.poses )
 	{
 		const std::string option = "--line " + text;
@@ -116,7 +141,8 @@ lines::Task taskOf( const LineOptions& line, const io::Problem& problem )
 			task.base = io::findFrame( problem, line.frame, "command line", "--line-frame" );
 		}
 		const lw_transform before = task.waypoints.empty() ? startPose( problem, task ) : task.waypoints.back().pose;
-		task.waypoints.push_back( waypointOf( option, text.substr( equals + 1 ), before ) );
+		radii.emplace_back();
+		task.waypoints.push_back( waypointOf( option, text.substr( equals + 1 ), before, radii.back() ) );
 	}
 	if ( !line.free_axis.empty() )
 	{
@@ -124,6 +150,7 @@ lines::Task taskOf( const LineOptions& line, const io::Problem& problem )
 		task.free_axis = lw_vec3{ axis[0], axis[1], axis[2] };
 	}
 	task.any_start = line.any_start;
+	blendCorners( line.blend, radii, task );
 	task.tolerance = line.tolerance;
 	task.angle = line.angle;
 	task.speed = line.speed;
@@ -148,7 +175,8 @@ std::string reportOf( const lines::Result& line, double seconds )
 		json["parts"] = Json::array();
 		for ( const lines::Part& part : line.parts )
 		{
-			json["parts"].push_back( { { "begin", part.begin }, { "seconds", part.seconds }, { "cubics", part.count } } );
+			json["parts"].push_back(
+			    { { "part", part.part }, { "begin", part.begin }, { "seconds", part.seconds }, { "cubics", part.count } } );
 		}
 		return jsonText( json );
 	}

@@ -11,51 +11,14 @@ namespace
 {
 
 constexpr double longest_jump = 0.2; // radians or metres: of a joint, from where its speed would take it
-constexpr std::uint32_t least_step = most_places / 1024, contact_step = most_places / 64;
-
-double parameter( std::uint32_t place )
-{
-	return static_cast<double>( place ) / most_places;
-}
-
-double fractionOf( std::uint32_t place )
-{
-	return fractionAt( parameter( place ) );
-}
-
-/// d fraction / du
-double flowOf( std::uint32_t place )
-{
-	const double u = parameter( place );
-	return 6 * u * ( 1 - u );
-}
+constexpr std::uint32_t finest = 1024, contact_finest = 64; // of a leg's intervals between states
 
 std::vector<double> toVector( const State& q )
 {
 	return { q.data(), q.data() + q.size() };
 }
 
-lw_vec3 positionOf( const lw_region_def& def, double fraction )
-{
-	const lw_transform at = lw_region_reference( &def, fraction );
-	return { at.t[0], at.t[1], at.t[2] };
-}
-
 } // namespace
-
-double fractionAt( double u )
-{
-	return u * u * ( 3 - 2 * u );
-}
-
-void fractionPoints( std::uint32_t from, std::uint32_t to, double out[4] )
-{
-	const double width = parameter( to - from );
-	out[0] = fractionOf( from );
-	out[1] = out[0] + flowOf( from ) * width / 3;
-	out[3] = fractionOf( to );
-	out[2] = out[3] - flowOf( to ) * width / 3;
-}
 
 Fit::Fit( Follower& follower, const io::Problem& problem, const Settings& settings, lw_query* query )
     : m_follower( follower ), m_problem( problem ), m_settings( settings ), m_query( query ),
@@ -67,18 +30,20 @@ Fit::Fit( Follower& follower, const io::Problem& problem, const Settings& settin
 	}
 }
 
-bool Fit::fail( const Leg& leg, Obstacle obstacle, double fraction, const State& q, std::size_t variable )
+bool Fit::fail( const Leg& leg, Obstacle obstacle, std::uint32_t place, const State& q, std::size_t variable )
 {
 	m_stop = {};
 	m_stop.obstacle = obstacle;
-	m_stop.fraction = fraction;
-	m_stop.position = positionOf( leg.def, fraction );
+	m_stop.part = leg.part;
+	m_stop.fraction = leg.part_from + ( leg.part_to - leg.part_from ) * leg.course.at( place );
+	const ik::Vector3d there = leg.pose( place ).t;
+	m_stop.position = { there.x(), there.y(), there.z() };
 	m_stop.q = toVector( q );
 	m_stop.joint = variable < m_problem.variable_names.size() ? m_problem.variable_names[variable] : std::string();
 	return false;
 }
 
-bool Fit::isFree( const Leg& leg, double fraction, const State& q )
+bool Fit::isFree( const Leg& leg, std::uint32_t place, const State& q )
 {
 	bool free = false;
 	lw_state_reason reason;
@@ -88,7 +53,7 @@ bool Fit::isFree( const Leg& leg, double fraction, const State& q )
 	++m_states;
 	if ( !free )
 	{
-		fail( leg, reason.verdict == LW_VERDICT_BLOCKED ? Obstacle::COLLISION : Obstacle::UNDECIDED, fraction, q, SIZE_MAX );
+		fail( leg, reason.verdict == LW_VERDICT_BLOCKED ? Obstacle::COLLISION : Obstacle::UNDECIDED, place, q, SIZE_MAX );
 		m_stop.self = reason.self;
 		m_stop.pair = reason.self ? motions::nameSelf( m_problem.checker.get(), reason.pair )
 		                          : motions::nameEnvironment( m_problem.checker.get(), reason.pair );
@@ -97,26 +62,31 @@ bool Fit::isFree( const Leg& leg, double fraction, const State& q )
 }
 
 /// From the last state to a place, over others in between if joints move fast.
-bool Fit::step( const Leg& leg, const Wish& wish, std::uint32_t to )
+bool Fit::step( const Run& run, std::size_t number, const Wish& wish, std::uint32_t to )
 {
+	const Leg& leg = run.legs[number];
+	const std::uint32_t all = leg.course.to - leg.course.from;
+	const std::uint32_t least_step = std::max( all / finest, 1u ), contact_step = std::max( all / contact_finest, 1u );
 	while ( m_knots.back().place < to )
 	{
 		const Knot& last = m_knots.back();
 		std::uint32_t next = to;
 		for ( ;; )
 		{
-			const double from = fractionOf( last.place ), fraction = fractionOf( next ), way = fraction - from;
-			const State rate = m_follower.rate( leg.def, from, last.q, m_follower.drift( last.q, wish, from ) );
+			const double from = leg.course.at( last.place ), way = leg.course.at( next ) - from;
+			const double turn = leg.turningOf().at( next ) - leg.turningOf().at( last.place );
+			const State drift = ( leg.run_to - leg.run_from ) * way * m_follower.drift( last.q, wish, from );
+			const State rate = m_follower.rate( leg.pose( last.place ), leg.motion( last.place, way, turn ), last.q, drift );
 			const Follower::Blame fastest = m_follower.blame();
-			const State there = ( last.q + way * rate ).cwiseMax( m_follower.lower() ).cwiseMin( m_follower.upper() );
+			const State there = ( last.q + rate ).cwiseMax( m_follower.lower() ).cwiseMin( m_follower.upper() );
 			State q = there;
-			const bool on_it = m_follower.correct( leg.def, fraction, q );
+			const bool on_it = m_follower.correct( leg.pose( next ), q );
 			if ( on_it && ( q - there ).cwiseAbs().maxCoeff() < longest_jump )
 			{
-				const bool free = isFree( leg, fraction, q );
+				const bool free = isFree( leg, next, q );
 				if ( free )
 				{
-					m_knots.push_back( { next, q, {} } );
+					m_knots.push_back( { next, number, q, {} } );
 					break;
 				}
 				if ( next - last.place <= contact_step )
@@ -129,7 +99,7 @@ bool Fit::step( const Leg& leg, const Wish& wish, std::uint32_t to )
 			if ( next - last.place <= least_step )
 			{
 				const Follower::Blame blame = on_it ? fastest : m_follower.blame();
-				return fail( leg, blame.obstacle, from, last.q, blame.variable );
+				return fail( leg, blame.obstacle, last.place, last.q, blame.variable );
 			}
 			next = last.place + ( next - last.place ) / 2;
 		}
@@ -138,38 +108,57 @@ bool Fit::step( const Leg& leg, const Wish& wish, std::uint32_t to )
 }
 
 /// Speeds at all states: the differences of their neighbours, and the needs of the reference.
-void Fit::takeRates( const Leg& leg )
+void Fit::takeRates( const Run& run )
 {
+	const auto share = [&]( const Knot& knot ) { return run.legs[knot.leg].share( knot.place ); };
 	for ( std::size_t i = 0; i < m_knots.size(); ++i )
 	{
 		Knot& knot = m_knots[i];
 		const Knot &before = m_knots[i > 0 ? i - 1 : 0], &after = m_knots[std::min( i + 1, m_knots.size() - 1 )];
-		const double way = fractionOf( after.place ) - fractionOf( before.place ), fraction = fractionOf( knot.place );
-		const State hint = ( after.q - before.q ) / way;
-		knot.rate = flowOf( knot.place ) * m_follower.rate( leg.def, fraction, knot.q, hint );
+		const Leg& leg = run.legs[knot.leg];
+		const double left = share( knot ) - share( before ), right = share( after ) - share( knot );
+		// For each unit of the run's length: the slope of the parabola through three states. At rest there is none
+		State slope = State::Zero( knot.q.size() );
+		if ( left > 0 && right > 0 )
+		{
+			slope = ( right / left * ( knot.q - before.q ) + left / right * ( after.q - knot.q ) ) / ( left + right );
+		}
+		knot.rate =
+		    m_follower.rate( leg.pose( knot.place ), leg.flow( knot.place ), knot.q, leg.shareFlow( knot.place ) * slope );
 	}
 }
 
-bool Fit::follow( const Leg& leg, const Wish& wish, const State& q )
+bool Fit::follow( const Run& run, const Wish& wish, const State& q )
 {
-	m_knots.assign( 1, { 0, q, {} } );
-	for ( std::uint32_t place = leg.first_step; place <= most_places; place += leg.first_step )
+	m_knots.assign( 1, { 0, 0, q, {} } );
+	for ( std::size_t number = 0; number < run.legs.size(); ++number )
 	{
-		if ( !step( leg, wish, place ) )
+		const Leg& leg = run.legs[number];
+		for ( std::uint32_t state = 1; state <= leg.states; ++state )
 		{
-			return false;
+			if ( !step( run, number, wish, leg.place( state ) ) )
+			{
+				return false;
+			}
 		}
 	}
-	takeRates( leg );
+	takeRates( run );
 	return true;
 }
 
 bool Fit::isNear( const Leg& leg, Piece& piece )
 {
+	return isWithin( leg, leg.region.get(), leg.course, piece ) &&
+	       ( !leg.turns_apart || isWithin( leg, leg.turning_region.get(), leg.turning_course, piece ) );
+}
+
+/// The errors from one of a leg's references.
+bool Fit::isWithin( const Leg& leg, lw_region* region, const Course& course, Piece& piece )
+{
 	const auto count = static_cast<std::uint32_t>( m_variables.size() );
 	const std::uint32_t one = 0;
 	double fractions[4];
-	fractionPoints( piece.from, piece.to, fractions );
+	course.points( piece.from, piece.to, fractions );
 	const lw_timed_piece moves = { parameter( piece.from ), parameter( piece.to ), 3, piece.points.data() };
 	const lw_timed_piece goes = { moves.start, moves.end, 3, fractions };
 	lw_track track = {}, timing = {};
@@ -183,13 +172,17 @@ bool Fit::isNear( const Leg& leg, Piece& piece )
 	timing.piece_count = 1;
 	const lw_clock clock = { &track, 1, m_rest.data() };
 	lw_region_result r;
-	require( lw_region_timed( leg.region.get(), &clock, &timing, moves.start, moves.end, &r ), "deviation from a line" );
+	require( lw_region_timed( region, &clock, &timing, moves.start, moves.end, &r ), "deviation from a line" );
 	m_windows += r.windows;
-	for ( int i = 0; i < 3; ++i )
+	for ( int i = 0; i < 3 && region == leg.region.get(); ++i )
 	{
 		piece.position_error = std::max( { piece.position_error, r.upper[i], -r.lower[i] } );
 	}
-	piece.angle_error = r.upper[leg.def.tilt < INFINITY ? LW_REGION_TILT : LW_REGION_ANGLE];
+	if ( !leg.turns_apart || region == leg.turning_region.get() )
+	{
+		piece.angle_error =
+		    r.upper[leg.def.tilt < INFINITY || leg.turning.tilt < INFINITY ? LW_REGION_TILT : LW_REGION_ANGLE];
+	}
 	return r.verdict == LW_VERDICT_FREE;
 }
 
@@ -203,10 +196,10 @@ bool Fit::isClear( const Leg& leg, const Piece& piece )
 	{
 		return true;
 	}
-	const double u = parameter( piece.from ) + r.t * parameter( piece.to - piece.from );
+	const auto place = piece.from + static_cast<std::uint32_t>( std::lround( r.t * ( piece.to - piece.from ) ) );
 	const std::vector<double> there = motions::stateAt( { { 0, 1, 3, piece.points } }, r.t );
 	const State q = Eigen::Map<const State>( there.data(), static_cast<Eigen::Index>( there.size() ) );
-	fail( leg, r.verdict == LW_VERDICT_BLOCKED ? Obstacle::COLLISION : Obstacle::UNDECIDED, fractionAt( u ), q, SIZE_MAX );
+	fail( leg, r.verdict == LW_VERDICT_BLOCKED ? Obstacle::COLLISION : Obstacle::UNDECIDED, place, q, SIZE_MAX );
 	m_stop.self = r.self;
 	m_stop.pair = r.self ? motions::nameSelf( m_problem.checker.get(), r.pair )
 	                     : motions::nameEnvironment( m_problem.checker.get(), r.pair );
@@ -219,6 +212,7 @@ bool Fit::prove( const Leg& leg, const Knot& a, const Knot& b, std::vector<Piece
 	const double width = parameter( b.place - a.place );
 	const State inner[2] = { a.q + width / 3 * a.rate, b.q - width / 3 * b.rate };
 	Piece piece;
+	piece.leg = b.leg;
 	piece.from = a.place;
 	piece.to = b.place;
 	for ( const State* p : { &a.q, &inner[0], &inner[1], &b.q } )
@@ -237,37 +231,36 @@ bool Fit::prove( const Leg& leg, const Knot& a, const Knot& b, std::vector<Piece
 		out.push_back( piece );
 		return isClear( leg, piece );
 	}
-	const double fraction = fractionOf( a.place );
 	if ( b.place - a.place < 2 )
 	{
-		return fail( leg, beyond < 0 ? Obstacle::UNDECIDED : Obstacle::JOINT_LIMIT, fraction, a.q,
+		return fail( leg, beyond < 0 ? Obstacle::UNDECIDED : Obstacle::JOINT_LIMIT, a.place, a.q,
 		    beyond < 0 ? SIZE_MAX : static_cast<std::size_t>( beyond ) );
 	}
 	Knot middle;
 	middle.place = a.place + ( b.place - a.place ) / 2;
 	middle.q = 0.125 * ( a.q + b.q ) + 0.375 * ( inner[0] + inner[1] );
 	middle.q = middle.q.cwiseMax( m_follower.lower() ).cwiseMin( m_follower.upper() );
-	const double at = fractionOf( middle.place ), flow = flowOf( middle.place );
-	const State hint = 0.75 / width * ( b.q - a.q + inner[1] - inner[0] ) / flow;
-	if ( !m_follower.correct( leg.def, at, middle.q ) )
+	middle.leg = b.leg;
+	const State hint = 0.75 / width * ( b.q - a.q + inner[1] - inner[0] );
+	if ( !m_follower.correct( leg.pose( middle.place ), middle.q ) )
 	{
 		const Follower::Blame blame = m_follower.blame();
-		return fail( leg, blame.obstacle, fraction, a.q, blame.variable );
+		return fail( leg, blame.obstacle, a.place, a.q, blame.variable );
 	}
-	middle.rate = flow * m_follower.rate( leg.def, at, middle.q, hint );
+	middle.rate = m_follower.rate( leg.pose( middle.place ), leg.flow( middle.place ), middle.q, hint );
 	return prove( leg, a, middle, out ) && prove( leg, middle, b, out );
 }
 
-bool Fit::run( const Leg& leg, const Wish& wish, State& q, std::vector<Piece>& out )
+bool Fit::run( const Run& run, const Wish& wish, State& q, std::vector<Piece>& out )
 {
-	if ( !follow( leg, wish, q ) )
+	if ( !follow( run, wish, q ) )
 	{
 		return false;
 	}
 	const std::vector<Knot> knots = m_knots;
 	for ( std::size_t i = 1; i < knots.size(); ++i )
 	{
-		if ( !prove( leg, knots[i - 1], knots[i], out ) )
+		if ( !prove( run.legs[knots[i].leg], knots[i - 1], knots[i], out ) )
 		{
 			return false;
 		}

@@ -64,9 +64,9 @@ lw_transform Follower::pose( const State& q )
 	return ik::toTransform( m_errors.pose( q.data() ) );
 }
 
-bool Follower::correct( const lw_region_def& def, double fraction, State& q )
+bool Follower::correct( const ik::Pose& reference, State& q )
 {
-	m_errors.aim( ik::toPose( lw_region_reference( &def, fraction ) ) );
+	m_errors.aim( reference );
 	if ( m_descent.run( m_errors, m_bounds, q.data() ) )
 	{
 		return true;
@@ -80,14 +80,11 @@ bool Follower::correct( const lw_region_def& def, double fraction, State& q )
 	return false;
 }
 
-State Follower::rate( const lw_region_def& def, double fraction, const State& q, const State& hint )
+State Follower::rate( const ik::Pose& reference, const Leg::Motion& motion, const State& q, const State& hint )
 {
-	const ik::Pose wanted = ik::toPose( lw_region_reference( &def, fraction ) );
-	m_errors.aim( wanted );
+	m_errors.aim( reference );
 	m_descent.evaluate( m_errors, q.data() );
-	const Vector3d arm = wanted.t - fraction * toVector( def.shift ) - toVector( def.center );
-	const Eigen::VectorXd flow =
-	    m_errors.flow( toVector( def.shift ) + toVector( def.arc ).cross( arm ), toVector( def.turn ) );
+	const Eigen::VectorXd flow = m_errors.flow( motion.linear, motion.angular );
 	const State rate = hint + m_descent.leastChange( -flow - m_descent.jacobian() * hint, least_damping );
 	Eigen::Index most;
 	rate.cwiseAbs().maxCoeff( &most );

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "ik/pose_errors.hpp"
-#include "leeway/lines/lines.hpp"
+#include "lines/way.hpp"
 
 namespace leeway::lines
 {
@@ -30,11 +30,11 @@ public:
 	/// The tip in the base.
 	lw_transform pose( const State& q );
 
-	/// Moves q onto the reference. @return false if that does not succeed; blame() then says by which joint
-	bool correct( const lw_region_def& reference, double fraction, State& q );
-	/// The joints' speeds for each unit of the fraction: the needs of the reference, and beside them `hint`.
-	State rate( const lw_region_def& reference, double fraction, const State& q, const State& hint );
-	/// Speeds of the joints by a wish and by near limits, for each unit of the fraction, before the reference's needs.
+	/// Moves q onto a reference. @return false if that does not succeed; blame() then says by which joint
+	bool correct( const ik::Pose& reference, State& q );
+	/// The joints' change with a reference that moves: its needs, and beside them `hint`.
+	State rate( const ik::Pose& reference, const Leg::Motion& motion, const State& q, const State& hint );
+	/// Speeds of the joints by a wish and by near limits, for a whole run, before the reference's needs.
 	State drift( const State& q, const Wish& wish, double fraction ) const;
 
 	struct Blame

@@ -13,16 +13,12 @@ namespace leeway::lines
 namespace
 {
 
-constexpr double first_length = 0.12, first_turn = 0.4; // metres and radians between the first states of a part
-constexpr std::uint32_t least_first_states = 4;
 constexpr double far_limits = 100;                   // radians or metres: postures are drawn about the start instead
 constexpr double same_start = 0.02;                  // two starts that differ by less in every joint are one
 constexpr int most_draws = 60, most_end_draws = 200; // of starts and of ends that have their pose
 constexpr std::size_t most_ends = 16;
 constexpr int back_steps = 16;
 constexpr std::size_t few_attempts = 8; // if no state has the last pose: to see where the way ends
-constexpr double peak_of_mean = 1.5;    // speed of the fraction in its middle
-constexpr double no_way = 1e-9;         // metres and radians
 
 double length( const lw_vec3& v )
 {
@@ -32,23 +28,6 @@ double length( const lw_vec3& v )
 [[noreturn]] void wrong( const std::string& element, const std::string& problem, const std::string& remedy )
 {
 	throw io::Error( "line", element, problem, remedy );
-}
-
-lw_region_def defOf( const Task& task )
-{
-	lw_region_def def = lw_region_def_default();
-	def.base_link = task.base.link;
-	def.base_from_a = task.base.pose;
-	def.link = task.tip.link;
-	def.link_from_b = task.tip.pose;
-	for ( int i = 0; i < 3; ++i )
-	{
-		def.lower[i] = -task.tolerance;
-		def.upper[i] = task.tolerance;
-	}
-	( task.free_axis ? def.tilt : def.angle ) = task.angle;
-	def.axis = task.free_axis.value_or( lw_vec3{ 0, 0, 1 } );
-	return def;
 }
 
 void check( const Task& task, std::size_t variables )
@@ -81,7 +60,7 @@ public:
 	{
 		const std::vector<double> start = task.start.empty() ? io::startState( problem ) : task.start;
 		m_start = Eigen::Map<const State>( start.data(), static_cast<Eigen::Index>( start.size() ) );
-		makeLegs();
+		m_runs = runsOf( problem, task, task.any_start ? task.waypoints.front().pose : m_follower.pose( m_start ) );
 	}
 
 	Result run()
@@ -97,51 +76,9 @@ public:
 	}
 
 private:
-	void makeLegs()
-	{
-		const std::vector<Waypoint>& waypoints = m_task.waypoints;
-		lw_transform from = m_task.any_start ? waypoints.front().pose : m_follower.pose( m_start );
-		for ( std::size_t i = m_task.any_start ? 1 : 0; i < waypoints.size(); ++i )
-		{
-			Leg leg;
-			leg.def = defOf( m_task );
-			const Waypoint& to = waypoints[i];
-			const std::string name = "waypoint " + std::to_string( i + 1 );
-			const lw_status status =
-			    to.via ? lw_region_arc( &leg.def, &from, *to.via, &to.pose ) : lw_region_line( &leg.def, &from, &to.pose );
-			if ( status != LW_OK )
-			{
-				to.via ? wrong( name, "no circle leads there through the given place",
-				             "give three places that are not on one line" )
-				       : wrong( name, "is no finite pose", "give finite numbers and a rotation" );
-			}
-			const lw_vec3 arm = { leg.def.start.t[0] - leg.def.center.x, leg.def.start.t[1] - leg.def.center.y,
-			    leg.def.start.t[2] - leg.def.center.z };
-			leg.length = length( leg.def.shift ) + length( leg.def.arc ) * ( to.via ? length( arm ) : 0 );
-			const double turn = length( leg.def.turn );
-			from = to.pose;
-			if ( leg.length < no_way && turn < no_way )
-			{
-				continue;
-			}
-			std::uint32_t states = least_first_states;
-			while ( states < most_places / 8 && ( leg.length > first_length * states || turn > first_turn * states ) )
-			{
-				states *= 2;
-			}
-			leg.first_step = most_places / states;
-			lw_diag diag = {};
-			lw_region* region = nullptr;
-			require( lw_region_create( m_problem.checker.get(), &leg.def, nullptr, &diag, &region ), diag );
-			leg.region.reset( region );
-			m_legs.push_back( std::move( leg ) );
-			m_numbers.push_back( i - ( m_task.any_start ? 1 : 0 ) );
-		}
-		if ( m_legs.empty() )
-		{
-			wrong( "waypoints", "the frame is there already", "give another pose" );
-		}
-	}
+	const Leg& firstLeg() const { return m_runs.front().legs.front(); }
+	const Leg& lastLeg() const { return m_runs.back().legs.back(); }
+	bool hasOneLeg() const { return m_runs.size() == 1 && m_runs.front().legs.size() == 1; }
 
 	double drawn( Eigen::Index i )
 	{
@@ -169,9 +106,9 @@ private:
 		for ( int draw = 0; draw < most_end_draws && m_ends.size() < most_ends; ++draw )
 		{
 			State q = drawn();
-			if ( m_follower.correct( m_legs.back().def, 1, q ) )
+			if ( m_follower.correct( lastLeg().pose( most_places ), q ) )
 			{
-				( m_fit.isFree( m_legs.back(), 1, q ) ? m_ends : blocked ).push_back( q );
+				( m_fit.isFree( lastLeg(), most_places, q ) ? m_ends : blocked ).push_back( q );
 			}
 		}
 		m_no_end = m_ends.empty() && blocked.empty();
@@ -180,13 +117,18 @@ private:
 	/// Moves a state at the end of the way to its start, by steps that change the joints least. @return false: it does not come there
 	bool stepBack( State& q )
 	{
-		for ( auto leg = m_legs.rbegin(); leg != m_legs.rend(); ++leg )
+		for ( auto run = m_runs.rbegin(); run != m_runs.rend(); ++run )
 		{
-			for ( int i = back_steps - 1; i >= 0; --i )
+			for ( auto leg = run->legs.rbegin(); leg != run->legs.rend(); ++leg )
 			{
-				if ( !m_follower.correct( leg->def, static_cast<double>( i ) / back_steps, q ) )
+				for ( int i = back_steps - 1; i >= 0; --i )
 				{
-					return false;
+					const double way = parameter( leg->course.to - leg->course.from ) * i / back_steps;
+					const auto place = leg->course.from + static_cast<std::uint32_t>( way * most_places );
+					if ( !m_follower.correct( leg->pose( place ), q ) )
+					{
+						return false;
+					}
 				}
 			}
 		}
@@ -207,7 +149,7 @@ private:
 		if ( to_end || ( m_result.attempts > 0 && isRedundant() ) )
 		{
 			wish.posture = to_end ? m_ends[m_random.below( m_ends.size() )] : drawn();
-			wish.arrives = to_end && m_legs.size() == 1;
+			wish.arrives = to_end && hasOneLeg();
 			wish.strength = m_random.between( 0, 4 );
 		}
 		if ( !m_task.any_start )
@@ -226,7 +168,7 @@ private:
 		for ( int draw = 0; draw < most_draws; ++draw )
 		{
 			q = m_starts.empty() && draw == 0 ? m_start : drawn();
-			if ( !m_follower.correct( m_legs.front().def, 0, q ) )
+			if ( !m_follower.correct( firstLeg().pose( 0 ), q ) )
 			{
 				continue;
 			}
@@ -257,20 +199,20 @@ private:
 			if ( !m_reached )
 			{
 				m_result.stop.obstacle = Obstacle::UNREACHABLE;
-				const double* t = m_legs.front().def.start.t;
+				const double* t = firstLeg().def.start.t;
 				m_result.stop.position = { t[0], t[1], t[2] };
 			}
 			return false;
 		}
 		++m_result.attempts;
-		std::vector<std::vector<Piece>> pieces( m_legs.size() );
-		std::size_t leg = 0;
-		bool good = m_fit.isFree( m_legs.front(), 0, q );
+		std::vector<std::vector<Piece>> pieces( m_runs.size() );
+		std::size_t run = 0;
+		bool good = m_fit.isFree( firstLeg(), 0, q );
 		const bool hopeless = !good && !m_task.any_start;
-		while ( good && leg < m_legs.size() )
+		while ( good && run < m_runs.size() )
 		{
-			good = m_fit.run( m_legs[leg], wish, q, pieces[leg] );
-			leg += good ? 1 : 0;
+			good = m_fit.run( m_runs[run], wish, q, pieces[run] );
+			run += good ? 1 : 0;
 		}
 		if ( good )
 		{
@@ -279,8 +221,7 @@ private:
 			time( pieces );
 			return true;
 		}
-		Stop stop = m_fit.stop();
-		stop.part = m_numbers[leg];
+		const Stop& stop = m_fit.stop();
 		const Stop& best = m_result.stop;
 		if ( best.obstacle == Obstacle::NONE ||
 		     stop.part + stop.fraction > static_cast<double>( best.part ) + best.fraction )
@@ -290,11 +231,15 @@ private:
 		return !hopeless;
 	}
 
-	/// Nanoseconds for a leg: a whole number for each place.
-	std::int64_t nanoseconds( const Leg& leg, const std::vector<Piece>& pieces ) const
+	/// Nanoseconds for a run: a whole number for each place.
+	std::int64_t nanoseconds( const Run& run, const std::vector<Piece>& pieces ) const
 	{
 		const std::size_t count = m_follower.variables();
-		double seconds = peak_of_mean * leg.length / m_task.speed;
+		double seconds = 0;
+		for ( const Leg& leg : run.legs )
+		{
+			seconds = std::max( seconds, leg.course.mostFlow() * leg.length / m_task.speed );
+		}
 		for ( const Piece& piece : pieces )
 		{
 			const double width = static_cast<double>( piece.to - piece.from ) / most_places;
@@ -324,29 +269,49 @@ private:
 	void time( const std::vector<std::vector<Piece>>& pieces )
 	{
 		std::int64_t begin = 0;
-		for ( std::size_t i = 0; i < m_legs.size(); ++i )
+		for ( std::size_t i = 0; i < m_runs.size(); ++i )
 		{
-			const std::int64_t all = nanoseconds( m_legs[i], pieces[i] );
-			Part part;
-			part.region = m_legs[i].def;
-			part.begin = 1e-9 * static_cast<double>( begin );
-			part.seconds = 1e-9 * static_cast<double>( all );
-			part.first = m_result.segments.size();
-			part.count = pieces[i].size();
-			for ( const Piece& piece : pieces[i] )
+			const std::int64_t all = nanoseconds( m_runs[i], pieces[i] ), one = all / most_places;
+			const auto paceOf = [&]( const Course& course )
 			{
-				motions::Segment segment;
-				segment.begin = 1e-9 * static_cast<double>( begin + all / most_places * piece.from );
-				segment.seconds = 1e-9 * static_cast<double>( all / most_places * ( piece.to - piece.from ) );
-				segment.degree = 3;
-				segment.points = piece.points;
-				m_result.segments.push_back( segment );
-				m_result.position_error = std::max( m_result.position_error, piece.position_error );
-				m_result.angle_error = std::max( m_result.angle_error, piece.angle_error );
+				return Pace{ 1e-9 * static_cast<double>( begin + one * course.from ),
+				    1e-9 * static_cast<double>( one * ( course.to - course.from ) ), course.first, course.last };
+			};
+			for ( std::size_t number = 0; number < m_runs[i].legs.size(); ++number )
+			{
+				const Leg& leg = m_runs[i].legs[number];
+				Part part;
+				part.region = leg.def;
+				part.pace = paceOf( leg.course );
+				part.begin = part.pace.begin;
+				part.seconds = part.pace.seconds;
+				part.part = leg.part;
+				part.turns_apart = leg.turns_apart;
+				part.turning = leg.turning;
+				part.turning_pace = paceOf( leg.turning_course );
+				part.first = m_result.segments.size();
+				for ( const Piece& piece : pieces[i] )
+				{
+					piece.leg == number ? add( piece, begin, one ) : void();
+				}
+				part.count = m_result.segments.size() - part.first;
+				m_result.parts.push_back( part );
 			}
-			m_result.parts.push_back( part );
 			begin += all;
 		}
+	}
+
+	/// @param one nanoseconds of a place
+	void add( const Piece& piece, std::int64_t begin, std::int64_t one )
+	{
+		motions::Segment segment;
+		segment.begin = 1e-9 * static_cast<double>( begin + one * piece.from );
+		segment.seconds = 1e-9 * static_cast<double>( one * ( piece.to - piece.from ) );
+		segment.degree = 3;
+		segment.points = piece.points;
+		m_result.segments.push_back( segment );
+		m_result.position_error = std::max( m_result.position_error, piece.position_error );
+		m_result.angle_error = std::max( m_result.angle_error, piece.angle_error );
 	}
 
 	const io::Problem& m_problem;
@@ -357,8 +322,7 @@ private:
 	Fit m_fit;
 	ik::Random m_random;
 	State m_start;
-	std::vector<Leg> m_legs;
-	std::vector<std::size_t> m_numbers; ///< of each leg: the part of the way
+	std::vector<Run> m_runs;
 	std::vector<State> m_starts, m_ends;
 	bool m_no_end = false; ///< no state has the last pose, as far as findEnds() sees
 	bool m_reached = false;

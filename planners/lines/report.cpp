@@ -47,8 +47,8 @@ std::string describe( const io::Problem& problem, const Result& result )
 	if ( result.solved )
 	{
 		const Part& last = result.parts.back();
-		text = fmt::format( "line: {} part(s), {} cubics, {:.3f} s, at attempt {}\n", result.parts.size(),
-		    result.segments.size(), last.begin + last.seconds, result.attempts );
+		text = fmt::format( "line: {} part(s), {} cubics, {:.3f} s, at attempt {}\n", last.part + 1, result.segments.size(),
+		    last.begin + last.seconds, result.attempts );
 		text += fmt::format( "proved at all times: each coordinate within {:.4f} mm, the angle within {:.4f} degrees\n",
 		    1000 * result.position_error, result.angle_error * 180 / M_PI );
 		return text;

@@ -153,6 +153,11 @@ void addLineOptions( CLI::App& command, LineOptions& line )
 	rare( command.add_option( "--line-angle", line.angle, "radians, of its orientation (default 0.0017: 0.1 degrees)" )
 	          ->type_name( "RAD" ) );
 	rare( command.add_option( "--line-speed", line.speed, "metres per second, of the tip at most" )->type_name( "V" ) );
+	rare(
+	    command
+	        .add_option( "--line-blend", line.blend,
+	            "metres: corners between two lines are rounded from this distance on, without a rest (default 0: it rests)" )
+	        ->type_name( "R" ) );
 	rare( command.add_option( "--line-attempts", line.attempts, "ways that are tried at most (default 100)" )
 	          ->type_name( "N" ) );
 }

@@ -179,7 +179,8 @@ kinematics finds up to eight free states that reach it, by --seed, and the plann
 
 --line LINK=POSE takes the link's frame, or that of --line-tip, straight from where it starts to the pose, then to the next --line; without a
 quaternion the orientation stays, else it turns about one axis. "LINK=POSE via X,Y,Z" is the arc of a circle. Cubics of the joints are proved to stay
-within --line-tolerance and --line-angle, free and within the limits of the joints, at all times; the robot rests at each pose. --trajectory takes
+within --line-tolerance and --line-angle, free and within the limits of the joints, at all times. The robot rests at each pose; "LINK=POSE blend R", or
+--line-blend R for all corners between lines, rounds the corner by a circle from R metres before it to R metres behind it. --trajectory takes
 them (without it, standard output), --report the answer. A line that is not found names the place, and the joint or the pair in its way.
 
 Shortcuts simplify the path, and all its edges are checked once more; if one fails, the path before simplification is

@@ -121,7 +121,8 @@ struct EdgeCommandOptions
 /// Lines and arcs of a frame in the place of a goal.
 struct LineOptions
 {
-	std::vector<std::string> poses; ///< LINK=POSE, or LINK=POSE via X,Y,Z
+	std::vector<std::string> poses; ///< LINK=POSE, LINK=POSE via X,Y,Z, LINK=POSE blend R
+	double blend = 0;               ///< metres: of corners between two lines that name none
 	std::string tip, frame, free_axis;
 	bool any_start = false;
 	double tolerance = 1e-4, angle = 0.0017; ///< metres, radians

@@ -67,8 +67,7 @@ struct LineWorld : PoseWorld
 					const motions::Segment& s = r.segments[k];
 					const double time = s.begin + s.seconds * i / 100;
 					const Vector q = motions::stateAt( r.segments, time );
-					const lw_transform is = tip( q ), wanted = lw_region_reference( &part.region,
-					                                      lines::fractionAt( ( time - part.begin ) / part.seconds ) );
+					const lw_transform is = tip( q ), wanted = part.wanted( time );
 					for ( int x = 0; x < 3; ++x )
 					{
 						worst = std::max( worst, std::fabs( is.t[x] - wanted.t[x] ) );
@@ -87,7 +86,10 @@ struct LineWorld : PoseWorld
 			EXPECT_NEAR( a.begin + a.seconds, b.begin, 1e-12 );
 			for ( std::size_t v = 0; v < problem.variables.size(); ++v )
 			{
-				EXPECT_EQ( a.points[a.points.size() - problem.variables.size() + v], b.points[v] );
+				const std::size_t count = problem.variables.size();
+				EXPECT_EQ( a.points[3 * count + v], b.points[v] );
+				EXPECT_NEAR( ( a.points[3 * count + v] - a.points[2 * count + v] ) / a.seconds,
+				    ( b.points[count + v] - b.points[v] ) / b.seconds, 1e-9 ); // speeds
 			}
 		}
 	}

@@ -9,6 +9,12 @@ TEST( Lines, ASevenAxisArmLeavesItsLine )
 	const lines::Result r = world.plan();
 	world.expectOnItsWay( r );
 	EXPECT_LT( r.segments.size(), 40u );
+	const lines::Part& part = r.parts.front();
+	for ( const double u : { 0.0, 0.1, 0.5, 0.9, 1.0 } ) // on the line of the task, with the pace that is promised
+	{
+		const double y = part.wanted( part.begin + u * part.seconds ).t[1];
+		EXPECT_NEAR( -0.25 + 0.5 * ( 3 * u * u - 2 * u * u * u ), y, 1e-9 );
+	}
 }
 
 TEST( Lines, ASixAxisArmLeavesItsArc )

@@ -260,10 +260,30 @@ nb::object lineOf( const PyChecker& checker, const lines::Result& line )
 	                           line.position_error, line.angle_error, line.attempts, message.c_str() ) );
 }
 
+/// blend=: a radius for all corners between two lines, or one for each pose.
+void takeRadii( const nb::object& blend, lines::Task& task )
+{
+	std::vector<lines::Waypoint>& waypoints = task.waypoints;
+	const Doubles numbers = nb::cast<Doubles>( blend );
+	if ( nb::hasattr( blend, "__len__" ) )
+	{
+		const double* radii = vectorOf( numbers, waypoints.size(), "blend", "poses" );
+		for ( std::size_t i = 0; i < waypoints.size(); ++i )
+		{
+			waypoints[i].blend = radii[i];
+		}
+		return;
+	}
+	for ( std::size_t i = task.any_start ? 1 : 0; i + 1 < waypoints.size(); ++i )
+	{
+		waypoints[i].blend = waypoints[i].via || waypoints[i + 1].via ? 0 : *numbers.data();
+	}
+}
+
 nb::object planLine( const PyChecker& checker, const std::string& link, const nb::object& poses, const nb::object& start,
-    const nb::object& tip, const std::string& frame, const nb::object& free_axis, double tolerance, double angle,
-    double speed, const nb::object& velocity, const nb::object& acceleration, const Whole& seed, const Whole& attempts,
-    double min_d, const std::string& check )
+    const nb::object& tip, const std::string& frame, const nb::object& free_axis, const nb::object& blend, double tolerance,
+    double angle, double speed, const nb::object& velocity, const nb::object& acceleration, const Whole& seed,
+    const Whole& attempts, double min_d, const std::string& check )
 {
 	const io::Problem& problem = *checker.problem;
 	lines::Task task;
@@ -273,6 +293,7 @@ nb::object planLine( const PyChecker& checker, const std::string& link, const nb
 	task.base = io::findFrame( problem, frame, "plan_line", "frame" );
 	task.waypoints = waypointsOf( poses );
 	task.any_start = start.is_none();
+	takeRadii( blend, task );
 	if ( !task.any_start )
 	{
 		const Doubles numbers = nb::cast<Doubles>( start );
@@ -307,20 +328,21 @@ void bindLine( nb::class_<PyChecker>& type )
 	const lines::Task task;
 	const lines::Settings settings;
 	type.def( "plan_line", &planLine, "link"_a, "poses"_a, nb::kw_only(), "start"_a = nb::none(), "tip"_a = nb::none(),
-	    "frame"_a = "", "free_axis"_a = nb::none(), "tolerance"_a = task.tolerance, "angle"_a = task.angle,
+	    "frame"_a = "", "free_axis"_a = nb::none(), "blend"_a = 0.0, "tolerance"_a = task.tolerance, "angle"_a = task.angle,
 	    "speed"_a = HUGE_VAL, "velocity"_a = nb::none(), "acceleration"_a = nb::none(), "seed"_a.none() = settings.seed,
 	    "attempts"_a.none() = settings.attempts, "min_d"_a = 0.0, "check"_a = "both",
 	    nb::sig(
 	        "def plan_line(self, link: str, poses: typing.Sequence, *, start: numpy.typing.ArrayLike | None = None, "
 	        "tip: numpy.typing.ArrayLike | None = None, frame: str = '', free_axis: numpy.typing.ArrayLike | None = None, "
-	        "tolerance: float = 0.0001, angle: float = 0.0017, speed: float = float('inf'), "
+	        "blend: numpy.typing.ArrayLike = 0.0, tolerance: float = 0.0001, angle: float = 0.0017, speed: float = float('inf'), "
 	        "velocity: numpy.typing.ArrayLike | None = None, acceleration: numpy.typing.ArrayLike | None = None, "
 	        "seed: int = 1, attempts: int = 100, min_d: float = 0.0, check: str = 'both') -> leeway.results.Line" ),
 	    "A link's frame (or `tip` in it, a pose) goes straight from pose to pose, by cubics of the joints that are proved to stay on the\n"
 	    "line, free, and within limits, at all times.\n\n"
 	    "poses: each as of goal_states(), in `frame`; a tuple (pose, place) goes along the arc of a circle through the place. With `start`,\n"
 	    "float64 [dof], the line begins there; without, at the first pose, in any state that has it. free_axis: of the tip, about which it may\n"
-	    "turn. tolerance: metres, of each coordinate; angle: radians; speed: metres per second at most. velocity, acceleration: float64 [dof]\n"
+	    "turn. The robot rests at each pose; blend: metres, from which on corners between two lines are rounded by a circle without a rest, one\n"
+	    "number, or one for each pose (0: rest). tolerance: metres, of each coordinate; angle: radians; speed: metres per second at most. velocity, acceleration: float64 [dof]\n"
 	    "limits (None: of the robot; 1). Returns Line; trajectory(times, positions, velocities) proves the same motion. Equal seeds give\n"
 	    "equal answers. Raises InputError." );
 }

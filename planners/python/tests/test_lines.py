@@ -66,3 +66,23 @@ def test_a_line_that_is_not_found_says_why(arm):
         checker.plan_line("hand", [[0.4, 0, 0.3], [0.4, 0.1, 0.3]], tolerance=0)
     with pytest.raises(ValueError, match="above 0"):
         checker.plan_line("hand", [[0.4, 0, 0.3], [0.4, 0.1, 0.3]], velocity=numpy.zeros(7))
+
+
+def test_a_rounded_corner_is_not_rested_at(arm):
+    checker = leeway.Checker(arm)
+    way = [[0.4, -0.2, 0.3, *DOWN], [0.4, 0, 0.3, *DOWN], [0.4, 0, 0.45, *DOWN]]
+    line = checker.plan_line("hand", way, blend=0.05)
+    assert line.solved and (abs(line.velocities[1:-1]).max(axis=1) > 0).all()
+    hand = arm.fk(checker.full_state(line.positions))[:, arm.links.index("hand"), :3, 3]
+    # Lines up to 50 mm from the corner, a circle of 50 mm between them
+    circle = numpy.hypot(hand[:, 1] + 0.05, hand[:, 2] - 0.35)
+    on_line = (hand[:, 1] <= -0.05 + 1e-9) & (abs(hand[:, 2] - 0.3) < 1e-9) | (hand[:, 2] >= 0.35 - 1e-9) & (abs(hand[:, 1]) < 1e-9)
+    assert (on_line | (abs(circle - 0.05) < 1e-9)).all() and not on_line.all()
+    assert checker.trajectory(line.times, line.positions, line.velocities).all_free
+    assert checker.plan_line("hand", way, blend=[0, 0.05, 0]).positions.tobytes() == line.positions.tobytes()
+    with pytest.raises(leeway.InputError, match="of a line of 0.15 m"):
+        checker.plan_line("hand", way, blend=0.16)
+    with pytest.raises(leeway.InputError, match="radius nan"):
+        checker.plan_line("hand", way, blend=numpy.nan)
+    with pytest.raises(ValueError, match="blend"):
+        checker.plan_line("hand", way, blend=[0.05])

@@ -97,6 +97,11 @@ TEST_F( CliLine, OptionsThatCannotBeMeant )
 	    { { "tool=0.6,0,0", "finger=0.6,0.1,0" }, {}, "names another link" },
 	    { { "nobody=0.6,0,0" }, {}, "nobody" },
 	    { { "tool=0.6,0,0 via 0.6,0" }, {}, "has 2 numbers; give 3" },
+	    { { "tool=0.6,0,0 blend 0.1" }, {}, "the way ends there" },
+	    { { "tool=0.6,0,0 blend x", "tool=0.6,0.1,0" }, {}, "'x' is not a finite number" },
+	    { { "tool=0.6,0,0 blend -1", "tool=0.6,0.1,0" }, {}, "has the radius -1" },
+	    { { "tool=0.6,0,0", "tool=0.6,0.1,0" }, { "--line-blend", "-1" }, "--line-blend" },
+	    { { "tool=0.6,0,0", "tool=0.6,0.1,0" }, { "--line-blend", "0.2" }, "of a line of 0.1 m" },
 	    { { "tool=0.6,0,0" }, { "--line-tolerance", "0" }, "--line-tolerance" },
 	    { { "tool=0.6,0,0" }, { "--line-angle", "-1" }, "--line-angle" },
 	    { { "tool=0.6,0,0" }, { "--line-speed", "0" }, "--line-speed" },
@@ -134,4 +139,25 @@ TEST_F( CliLine, AProvedLineHasNoCertificateAndNoPage )
 	EXPECT_TRUE( contains( readFile( path( "line.html" ) ), "proved at all times" ) );
 	EXPECT_TRUE( contains( readFile( path( "none.html" ) ), "come too near" ) );
 #endif
+}
+
+TEST_F( CliLine, ARoundedCornerIsRestedAt )
+{
+	const std::vector<std::string> way = {
+	    "tool=0.6,-0.1,0", "tool=0.6,0.1,0", "tool=0.5,0.2,0 via 0.6,0.2,0", "tool=0.45,0.2,0" };
+	const Outcome plan = line( way, { "--line-blend", "0.03", "--trajectory", "line.json", "--report", "report.json" } );
+	ASSERT_EQ( plan.status, 0 ) << plan.err;
+	EXPECT_TRUE( contains( plan.out, "4 part(s)" ) ) << plan.out;
+	const auto report = nlohmann::json::parse( readFile( path( "report.json" ) ) );
+	EXPECT_EQ( 6u, report["parts"].size() ); // two lines and two halves of a corner; an arc has none
+	const auto file = nlohmann::json::parse( readFile( path( "line.json" ) ) );
+	int rests = 0;
+	for ( const auto& point : file["joint_trajectory"]["points"] )
+	{
+		rests += point["velocities"][0].get<double>() == 0 && point["velocities"][1].get<double>() == 0 ? 1 : 0;
+	}
+	EXPECT_EQ( 4, rests ); // both ends, and both of the arc
+	// A radius of its own
+	const Outcome own = line( { "tool=0.6,-0.1,0 blend 0.02", "tool=0.6,0.1,0" }, { "--trajectory", "line.json" } );
+	EXPECT_EQ( own.status, 0 ) << own.err;
 }

@@ -4,6 +4,7 @@
 //     leeway::lines::Task task;
 //     task.tip = { hand, tool };                   // the frame that moves
 //     task.waypoints = { { above }, { at_part } }; // straight from the start to the first pose, then to the second
+//     task.waypoints[0].blend = 0.02;              // around the corner, from 20 mm before it to 20 mm behind it, without a rest
 //     const leeway::lines::Result line = leeway::lines::planLines( robot, problem, task, settings );
 //
 // Inverse kinematics goes along the reference from a start state; cubics between its states are on the reference, and go along it, at both
@@ -29,13 +30,16 @@ struct Waypoint
 {
 	lw_transform pose;
 	std::optional<lw_vec3> via = std::nullopt;
+	/// Metres: 0: the robot rests there. Else the corner between two lines is rounded, without a rest, by the circle that touches both at this
+	/// distance from it.
+	double blend = 0;
 };
 
 struct Task
 {
 	io::Frame tip;                   ///< the frame that moves, on a link
 	io::Frame base;                  ///< of the poses; it may move itself, such as another hand
-	std::vector<Waypoint> waypoints; ///< in order; the robot rests at each
+	std::vector<Waypoint> waypoints; ///< in order; the robot rests at each without a `blend`
 	/// The first waypoint is the start, and any state there will do. Else the motion starts at `start`, with the pose that it has there.
 	bool any_start = false;
 	std::vector<double> start; ///< group state; empty: io::startState()
@@ -77,18 +81,34 @@ struct Stop
 	motions::Named pair;   ///< COLLISION, UNDECIDED
 };
 
-/// One part of a solved way.
+/// A fraction that goes from 0 to 1 while some time goes by: a cubic.
+struct Pace
+{
+	double begin = 0, seconds = 0; ///< of the trajectory
+	double first = 0, last = 0;    ///< its speed at both ends, for each unit of `seconds`
+	double at( double time ) const;
+};
+
+/// One part of a solved way: a line or an arc. A rounded corner is two arcs, one of the part before it, one of the part behind it.
 struct Part
 {
-	lw_region_def region;
+	lw_region_def region; ///< of the place, and of the orientation unless `turns_apart`
 	double begin = 0, seconds = 0;
 	std::size_t first = 0, count = 0; ///< of Result::segments
+	std::size_t part = 0;             ///< of the way, as Stop::part
+	Pace pace;                        ///< along `region`
+	/// The orientation turns along `turning` at `turning_pace`: from waypoint to waypoint, and not in the middle of a rounded corner.
+	bool turns_apart = false;
+	lw_region_def turning;
+	Pace turning_pace;
+	/// Where the tip has to be, in the base.
+	lw_transform wanted( double time ) const;
 };
 
 struct Result
 {
 	bool solved = false;
-	std::vector<motions::Segment> segments; ///< cubics, timed within the limits, at rest at each waypoint
+	std::vector<motions::Segment> segments; ///< cubics, timed within the limits, at rest at each waypoint without a blend
 	std::vector<Part> parts;
 	double position_error = 0, angle_error = 0; ///< proved for all times: metres, of each coordinate; radians
 	Stop stop;                                  ///< of the attempt that came farthest, if not solved
@@ -99,11 +119,11 @@ struct Result
 
 /// Plans the way. Not solved: no attempt is a proof that there is none.
 /// @param robot the model that `problem` was built from
-/// @throws io::Error (a waypoint or arc that is none, a tip that the group does not move, a floating joint, a tolerance of 0), CoreError
+/// @throws io::Error (a waypoint or arc that is none, a radius that does not fit, a tip that the group does not move, a floating joint, a tolerance of 0), CoreError
 /// Cost: some milliseconds an attempt of seven joints, most of it for clearances.
 Result planLines( const io::RobotModel& robot, const io::Problem& problem, const Task& task, const Settings& settings );
 
-/// The state of the fraction over the time of a part: s = 3 u^2 - 2 u^3, with u = 0 to 1 over its seconds.
+/// The share of the length from rest to rest: s = 3 u^2 - 2 u^3, with u = 0 to 1 over the time; with blends at the ends of parts.
 double fractionAt( double u );
 
 /// Lines for people: the proved errors, or the place where the way ends, with its reason.
