@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// leeway plan --line: a frame goes along lines and arcs.
+// leeway plan --line, or with a request that has waypoints: a frame goes along lines and arcs.
 #include "leeway/lines/lines.hpp"
 #include "commands/driven_plan.hpp"
 #include "commands/limits_file.hpp"
@@ -71,6 +71,19 @@ void refuseOthers( const PlanOptions& options )
 	}
 }
 
+void refuseBoth( const PlanOptions& options, const io::PathConstraints& path )
+{
+	if ( path.way && ( !options.line.poses.empty() || !options.line.frame.empty() ) )
+	{
+		wrong( options.line.poses.empty() ? "--line-frame" : "--line", "stands beside a request that has waypoints",
+		    "give one of them" );
+	}
+	if ( !path.empty() )
+	{
+		wrong( "--line", "stands beside a request with path_constraints", "remove it, or the request's path_constraints" );
+	}
+}
+
 /// Where the tip is in the base at the start state: the orientation of poses without one.
 lw_transform startPose( const io::Problem& problem, const lines::Task& task )
 {
@@ -116,11 +129,39 @@ void blendCorners( double radius, const std::vector<std::optional<double>>& own,
 	}
 }
 
-lines::Task taskOf( const LineOptions& line, const io::Problem& problem )
+/// Where a link and a frame are named.
+struct NamedIn
+{
+	std::string file, link, frame;
+};
+
+void setFrames( const std::string& link, const std::string& frame, const NamedIn& in, const std::string& tip_text,
+    const io::Problem& problem, lines::Task& task )
+{
+	task.tip = io::findFrame( problem, link, in.file, in.link );
+	const lw_transform tip =
+	    tip_text.empty() ? lw_transform_identity() : poseOf( "--line-tip", numbersOf( "--line-tip", tip_text, 3, 7 ) );
+	task.tip.pose = lw_transform_multiply( &task.tip.pose, &tip );
+	task.base = io::findFrame( problem, frame, in.file, in.frame );
+}
+
+/// @param way of the request, in place of the options' poses; null: none
+/// @param request its file, for errors
+lines::Task taskOf(
+    const LineOptions& line, const io::Problem& problem, const io::CartesianWay* way, const std::string& request )
 {
 	lines::Task task;
 	std::string link;
 	std::vector<std::optional<double>> radii;
+	if ( way != nullptr )
+	{
+		setFrames( way->link, way->frame, { request, "link_name", "header.frame_id" }, line.tip, problem, task );
+		for ( const lw_transform& pose : way->poses )
+		{
+			task.waypoints.push_back( { pose } );
+			radii.emplace_back();
+		}
+	}
 	for ( const std::string& text : line.poses )
 	{
 		const std::string option = "--line " + text;
@@ -134,11 +175,7 @@ lines::Task taskOf( const LineOptions& line, const io::Problem& problem )
 		if ( link.empty() )
 		{
 			link = name;
-			task.tip = io::findFrame( problem, link, "command line", option );
-			const lw_transform tip = line.tip.empty() ? lw_transform_identity()
-			                                          : poseOf( "--line-tip", numbersOf( "--line-tip", line.tip, 3, 7 ) );
-			task.tip.pose = lw_transform_multiply( &task.tip.pose, &tip );
-			task.base = io::findFrame( problem, line.frame, "command line", "--line-frame" );
+			setFrames( link, line.frame, { "command line", option, "--line-frame" }, line.tip, problem, task );
 		}
 		const lw_transform before = task.waypoints.empty() ? startPose( problem, task ) : task.waypoints.back().pose;
 		radii.emplace_back();
@@ -153,7 +190,7 @@ lines::Task taskOf( const LineOptions& line, const io::Problem& problem )
 	blendCorners( line.blend, radii, task );
 	task.tolerance = line.tolerance;
 	task.angle = line.angle;
-	task.speed = line.speed;
+	task.speed = way != nullptr && way->speed > 0 ? std::min( way->speed, line.speed ) : line.speed;
 	return task;
 }
 
@@ -195,7 +232,9 @@ int runLine( const PlanOptions& options )
 	Notices notices( options.common.verbose );
 	JointLimits limits = limitsOfFile( options.joint_limits );
 	DrivenPlan driven( options );
-	Input input = loadInput( options.common, notices );
+	io::PathConstraints path;
+	Input input = loadInput( options.common, notices, &path );
+	refuseBoth( options, path );
 	note( limits, options.joint_limits, input.robot, notices );
 	input.max_d = options.common.min_d + planning_horizon;
 	const PlanEnds ends = readEnds( options, input );
@@ -216,7 +255,7 @@ int runLine( const PlanOptions& options )
 	noteUsual( settings.limits, notices );
 	settings.seed = options.seed;
 	settings.attempts = options.line.attempts;
-	const lines::Task task = taskOf( options.line, problem );
+	const lines::Task task = taskOf( options.line, problem, path.way ? &*path.way : nullptr, options.common.request );
 	const double begin = now();
 	const lines::Result line = lines::planLines( input.robot, problem, task, settings );
 	const std::string report = reportOf( line, now() - begin );

@@ -707,20 +707,22 @@ Audit auditSolution(
 	return audit;
 }
 
-bool isConstrained( const PlanOptions& options )
+/// What the request asks for along the path.
+io::PathConstraints alongPath( const PlanOptions& options )
 {
 	io::PathConstraints path;
 	options.common.request.empty() ? io::Request() : io::loadConstrainedRequest( options.common.request, path );
-	return !path.empty();
+	return path;
 }
 
 } // namespace
 
 int runPlan( const PlanOptions& options )
 {
-	if ( isConstrained( options ) )
+	const io::PathConstraints path = alongPath( options );
+	if ( path.way || !path.empty() )
 	{
-		return runConstrainedPlan( options );
+		return path.way ? runLine( options ) : runConstrainedPlan( options );
 	}
 	Notices notices( options.common.verbose );
 	planners::requireThreads( planners::findPlanner( plannersOf( options ).front() ), options.threads );

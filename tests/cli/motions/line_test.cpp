@@ -161,3 +161,49 @@ TEST_F( CliLine, ARoundedCornerIsRestedAt )
 	const Outcome own = line( { "tool=0.6,-0.1,0 blend 0.02", "tool=0.6,0.1,0" }, { "--trajectory", "line.json" } );
 	EXPECT_EQ( own.status, 0 ) << own.err;
 }
+
+TEST_F( CliLine, WaypointsOfARequestAreLeftOut )
+{
+	const std::string start = "group_name: arm\nstart_state: {joint_state: {name: [shoulder, elbow], position: [-1, 1]}}\n";
+	const std::string waypoints = "link_name: tool\nheader: {frame_id: base}\nmax_step: 0.01\nwaypoints:\n"
+	                              "  - {position: {x: 0.6, y: -0.1, z: 0}, orientation: {x: 0, y: 0, z: 0, w: 1}}\n"
+	                              "  - {position: {x: 0.6, y: 0.1, z: 0}, orientation: {x: 0, y: 0, z: 0, w: 1}}\n";
+	const auto plan = [&]( const std::string& request, std::vector<std::string> more = {} )
+	{
+		write( "way.yaml", request );
+		more.insert( more.end(), { "--request", "way.yaml", "--trajectory", "way.json", "--free-axis", "0,0,1" } );
+		return runModel( "plan", more );
+	};
+	const Outcome way = plan( start + waypoints );
+	ASSERT_EQ( way.status, 0 ) << way.err;
+	EXPECT_TRUE( contains( way.err, "max_step" ) && contains( way.err, "proved at all times, not at steps" ) ) << way.err;
+	const auto by_request = nlohmann::json::parse( readFile( path( "way.json" ) ) );
+	ASSERT_EQ( 0, line( { "tool=0.6,-0.1,0", "tool=0.6,0.1,0" }, { "--trajectory", "line.json" } ).status );
+	const auto by_options = nlohmann::json::parse( readFile( path( "line.json" ) ) );
+	EXPECT_EQ( by_request["joint_trajectory"]["points"], by_options["joint_trajectory"]["points"] );
+	EXPECT_EQ( 0, plan( start + waypoints, { "--line-blend", "0.02" } ).status );
+	const struct
+	{
+		std::string request, words;
+		std::vector<std::string> more;
+	} cases[] = {
+	    { start + waypoints + "path_constraints: {joint_constraints: [{joint_name: elbow, position: 0}]}\n",
+	        "beside waypoints", {} },
+	    { start + waypoints + "goal_constraints: [{joint_constraints: [{joint_name: elbow, position: 0}]}]\n",
+	        "beside waypoints", {} },
+	    { start + waypoints + "avoid_collisions: false\n", "always proved free", {} },
+	    { start + waypoints + "max_cartesian_speed: -1\n", "is below 0", {} },
+	    { start + "link_name: tool\nwaypoints: []\n", "give one pose or more", {} },
+	    { start + "link_name: palm\nwaypoints: [{position: [0.6, 0, 0]}]\n", "palm", {} },
+	    { start + waypoints, "stands beside a request that has waypoints", { "--line", "tool=0.6,0,0" } },
+	};
+	for ( const auto& wrong : cases )
+	{
+		const Outcome outcome = plan( wrong.request, wrong.more );
+		EXPECT_EQ( outcome.status, 2 ) << wrong.words;
+		EXPECT_TRUE( contains( outcome.err, wrong.words ) ) << "lacks '" << wrong.words << "': " << outcome.err;
+	}
+	write( "s.csv", "shoulder,elbow\n0,0\n" );
+	const Outcome check = runModel( "check", { "--request", "way.yaml", "--states", "s.csv" } );
+	EXPECT_TRUE( contains( check.err, "give them to `leeway plan`" ) ) << check.err;
+}

@@ -4,11 +4,20 @@
 
 #include "leeway/io/model.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace leeway::io
 {
+
+/// Poses that a link goes through, straight from one to the next: the request of MoveIt's moveit_msgs/GetCartesianPath.
+struct CartesianWay
+{
+	std::string link, frame;         ///< frame: of the poses; empty: the planning frame
+	std::vector<lw_transform> poses; ///< one or more
+	double speed = 0;                ///< metres per second at most; 0: none is given
+};
 
 /// All of them hold at all times.
 struct PathConstraints
@@ -18,9 +27,11 @@ struct PathConstraints
 	std::vector<PositionGoal> positions;
 	std::vector<OrientationGoal> orientations;
 	bool empty() const { return joints.empty() && positions.empty() && orientations.empty(); }
+	std::optional<CartesianWay> way = std::nullopt; ///< in place of a goal, then without constraints
 };
 
 /// loadRequest() of a file whose constraints along the path are no error: they are read into `path`. Visibility constraints stay an Error.
+/// `waypoints` are read too; such a request has no goal.
 /// @throws Error
 Request loadConstrainedRequest( const std::string& file, PathConstraints& path );
 

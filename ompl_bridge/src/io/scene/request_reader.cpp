@@ -124,6 +124,44 @@ PathConstraints readPathConstraints( const YamlNode& constraints )
 	return path;
 }
 
+/// GetCartesianPath's waypoints, link_name and header. Its steps and jumps are of no use: motions are proved between all steps.
+CartesianWay readWay( const YamlNode& root )
+{
+	if ( root["goal_constraints"].size() > 0 )
+	{
+		root["goal_constraints"].fail( "stand beside waypoints", "remove one of them" );
+	}
+	refuseConstraints( root["path_constraints"],
+	    { "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints" },
+	    "remove it from path_constraints: it stands beside waypoints" );
+	const YamlNode avoids = root["avoid_collisions"];
+	if ( avoids.defined() && !avoids.boolean() )
+	{
+		avoids.fail( "is false, and motions are always proved free", "remove it" );
+	}
+	root.noticeUnused( { "max_step", "jump_threshold", "prismatic_jump_threshold", "revolute_jump_threshold" },
+	    "the motion is proved at all times, not at steps" );
+	CartesianWay way;
+	way.link = root["link_name"].text();
+	way.frame = root["header"]["frame_id"].textOr( "" );
+	const YamlNode waypoints = root["waypoints"];
+	for ( std::size_t i = 0; i < waypoints.size(); ++i )
+	{
+		way.poses.push_back( waypoints[i].pose() );
+	}
+	if ( way.poses.empty() )
+	{
+		waypoints.fail( "there is none", "give one pose or more" );
+	}
+	const YamlNode speed = root["max_cartesian_speed"];
+	way.speed = speed.defined() ? speed.number() : 0;
+	if ( way.speed < 0 )
+	{
+		speed.fail( "is below 0", "give metres per second, or leave it out" );
+	}
+	return way;
+}
+
 /// @param path null: constraints along the path are an error
 Request readRequest( const std::string& file, std::string text, PathConstraints* path )
 {
@@ -143,9 +181,16 @@ Request readRequest( const std::string& file, std::string text, PathConstraints*
 	root.noticeUnknownKeys( { "workspace_parameters", "start_state", "goal_constraints", "path_constraints",
 	    "trajectory_constraints", "reference_trajectories", "pipeline_id", "planner_id", "group_name",
 	    "num_planning_attempts", "allowed_planning_time", "max_velocity_scaling_factor", "max_acceleration_scaling_factor",
-	    "cartesian_speed_limited_link", "max_cartesian_speed" } );
-	root.noticeUnused( { "reference_trajectories", "cartesian_speed_limited_link", "max_cartesian_speed" },
+	    "cartesian_speed_limited_link", "max_cartesian_speed", "waypoints", "link_name", "header", "max_step",
+	    "jump_threshold", "prismatic_jump_threshold", "revolute_jump_threshold", "avoid_collisions" } );
+	const bool has_way = root["waypoints"].defined();
+	root.noticeUnused( { "reference_trajectories", "cartesian_speed_limited_link" },
 	    "planning keeps to joint limits and the given problem" );
+	if ( !has_way )
+	{
+		root.noticeUnused( { "max_cartesian_speed", "link_name", "header", "max_step", "avoid_collisions" },
+		    "planning keeps to joint limits and the given problem" );
+	}
 	request.group = root["group_name"].textOr( "" );
 	request.planner_id = root["planner_id"].textOr( "" );
 	YamlNode time = root["allowed_planning_time"];
@@ -179,7 +224,11 @@ Request readRequest( const std::string& file, std::string text, PathConstraints*
 		    "remove it from path_constraints: paths are planned without constraints" );
 	}
 	refuseConstraints( root["trajectory_constraints"], { "constraints" }, "remove it from trajectory_constraints" );
-	readGoal( root, request );
+	if ( has_way && path == nullptr )
+	{
+		root["waypoints"].fail( "are a Cartesian way, which this command does not take", "give them to `leeway plan`" );
+	}
+	has_way ? static_cast<void>( path->way = readWay( root ) ) : readGoal( root, request );
 	return request;
 }
 
