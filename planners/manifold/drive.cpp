@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Speeds at all states of the path make cubics from them. Where one is not proved the path gets another state; where that does not help the motion
-// rests at the corner. Whatever the time is, the curve is the same: the limits choose it last.
+// rests at the corner. Whatever the time is, the curve is the same: the limits choose it last. Then pieces that need less time than they have give it to
+// others: that changes the speeds at states, so the cubics, which are proved again.
 #include "drive.hpp"
 
 #include <algorithm>
@@ -13,8 +14,14 @@ namespace
 {
 
 constexpr int most_rounds = 14, rounds_before_rests = 5;
-constexpr double corner_angle = 0.02; // radians between pieces: a smaller one is none
-constexpr double shortest = 1e-9;     // of a piece, in joint space
+constexpr double first_factor = 2, least_factor = 1.02; // of a piece's share of the time, by one change
+constexpr double least_faster = 1e-4;                   // of the time, by a change that is kept
+constexpr int most_moves = 4000;                        // changes that are tried
+constexpr double need_power = 12;                       // of the mean of needs
+constexpr int share_rounds = 4;                         // with more states where a piece is not proved
+constexpr double least_part = 0.05;                     // of a change of shares that is not proved as a whole
+constexpr double corner_angle = 0.02;                   // radians between pieces: a smaller one is none
+constexpr double shortest = 1e-9;                       // of a piece, in joint space
 
 /// A state of the path, and the piece of it that leads to the next one.
 struct Knot
@@ -81,17 +88,25 @@ public:
 		return false;
 	}
 
+	/// Shares the time of runs otherwise, as far as they get shorter and are proved.
+	void shareTime( const motions::MotionLimits& limits )
+	{
+		const std::vector<Knot> before = m_knots;
+		const double seconds = allSeconds( limits );
+		if ( !shareAll( limits ) && !sharePart( before, limits ) )
+		{
+			m_knots = before;
+		}
+		m_knots = allSeconds( limits ) < seconds ? m_knots : before;
+	}
+
 	std::vector<motions::Segment> timed( const motions::MotionLimits& limits, std::int64_t begin ) const
 	{
 		std::vector<motions::Segment> segments;
 		for ( std::size_t first = 0; first + 1 < m_knots.size(); )
 		{
 			const std::size_t last = runEnd( first );
-			double seconds = 0;
-			for ( std::size_t k = first; k < last; ++k )
-			{
-				seconds = std::max( seconds, secondsOf( k, limits ) );
-			}
+			const double seconds = runSeconds( first, last, limits );
 			const double nanoseconds = 1e9 * seconds * ( 1 + 1e-6 ) + 1;
 			std::int64_t from = begin;
 			for ( std::size_t k = first; k < last; ++k )
@@ -153,20 +168,26 @@ private:
 	double before( std::size_t k ) const { return m_knots[k].rest ? 0 : m_knots[k].u; }
 	double after( std::size_t k ) const { return m_knots[k + 1].rest ? 1 : m_knots[k + 1].u; }
 
+	/// The speed at a knot for each unit of u, between pieces of these widths.
+	State rateAt( std::size_t k, double left, double right )
+	{
+		const Knot& knot = m_knots[k];
+		const State back = ( knot.q - m_knots[k - 1].q ) / left, ahead = ( m_knots[k + 1].q - knot.q ) / right;
+		State rate = ( right * back + left * ahead ) / ( left + right );
+		m_keeps ? m_manifold.makeTangent( knot.q.data(), rate.data() ) : void();
+		return rate;
+	}
+
 	void takeRates()
 	{
 		for ( std::size_t k = 0; k < m_knots.size(); ++k )
 		{
 			Knot& knot = m_knots[k];
 			knot.rate = State::Zero( knot.q.size() );
-			if ( knot.rest )
+			if ( !knot.rest )
 			{
-				continue;
+				knot.rate = rateAt( k, knot.u - before( k - 1 ), after( k ) - knot.u );
 			}
-			const double left = knot.u - before( k - 1 ), right = after( k ) - knot.u;
-			const State back = ( knot.q - m_knots[k - 1].q ) / left, ahead = ( m_knots[k + 1].q - knot.q ) / right;
-			knot.rate = ( right * back + left * ahead ) / ( left + right );
-			m_keeps ? m_manifold.makeTangent( knot.q.data(), knot.rate.data() ) : void();
 		}
 	}
 
@@ -218,11 +239,146 @@ private:
 		m_knots = finer;
 	}
 
-	/// Seconds of the run that the limits ask for at the piece ahead of a knot.
+	void shareRuns( const motions::MotionLimits& limits )
+	{
+		for ( std::size_t first = 0; first + 1 < m_knots.size(); first = runEnd( first ) )
+		{
+			shareRun( first, runEnd( first ), limits );
+		}
+		takeRates();
+	}
+
+	/// With more states where a piece is not proved. @return false: it is not proved
+	bool shareAll( const motions::MotionLimits& limits )
+	{
+		for ( int round = 0; round < share_rounds; ++round )
+		{
+			shareRuns( limits );
+			if ( proveAll() )
+			{
+				return true;
+			}
+			refine( false );
+			takeTimes();
+			takeRates();
+		}
+		return false;
+	}
+
+	/// A part of the way from known shares to others. @return false: it is not proved
+	bool sharePart( const std::vector<Knot>& before, const motions::MotionLimits& limits )
+	{
+		m_knots = before;
+		shareRuns( limits );
+		const std::vector<Knot> wanted = m_knots;
+		for ( double part = 0.5; part > least_part; part *= 0.5 )
+		{
+			for ( std::size_t k = 0; k < m_knots.size(); ++k )
+			{
+				m_knots[k].u = before[k].u + part * ( wanted[k].u - before[k].u );
+			}
+			takeRates();
+			if ( proveAll() )
+			{
+				return true;
+			}
+		}
+		return false;
+	}
+
+	double allSeconds( const motions::MotionLimits& limits ) const
+	{
+		double sum = 0;
+		for ( std::size_t first = 0; first + 1 < m_knots.size(); first = runEnd( first ) )
+		{
+			sum += runSeconds( first, runEnd( first ), limits );
+		}
+		return sum;
+	}
+
+	double runSeconds( std::size_t first, std::size_t last, const motions::MotionLimits& limits ) const
+	{
+		double seconds = 0;
+		for ( std::size_t k = first; k < last; ++k )
+		{
+			seconds = std::max( seconds, secondsOf( k, limits ) );
+		}
+		return seconds;
+	}
+
+	/// Changes the share of one piece after the other, by smaller and smaller factors. One change concerns three pieces.
+	void shareRun( std::size_t first, std::size_t last, const motions::MotionLimits& limits )
+	{
+		const std::size_t count = last - first;
+		std::vector<double> shares( count ), powers( count );
+		std::vector<State> rates;
+		double sum = 0, all = 0;
+		const auto power = [&]( std::size_t i )
+		{
+			const Knot &a = m_knots[first + i], &b = m_knots[first + i + 1];
+			const double width = shares[i];
+			return width * std::pow( needOf( cubicPiece( a.q, width * rates[i], b.q, width * rates[i + 1] ), width, limits ),
+			                   need_power );
+		};
+		for ( std::size_t k = first; k <= last; ++k )
+		{
+			rates.push_back( m_knots[k].rate );
+		}
+		for ( std::size_t i = 0; i < count; ++i )
+		{
+			shares[i] = after( first + i ) - before( first + i );
+			powers[i] = power( i );
+			all += shares[i];
+			sum += powers[i];
+		}
+		// Near the largest need, times the length of u; it falls with the needs of others too
+		const auto seconds = [&] { return all * std::pow( sum / all, 1 / need_power ); };
+		const auto take = [&]( std::size_t i, double share )
+		{
+			all += share - shares[i];
+			shares[i] = share;
+			for ( std::size_t k = i; k <= i + 1; ++k )
+			{
+				rates[k] = k > 0 && k < count ? rateAt( first + k, shares[k - 1], shares[k] ) : rates[k];
+			}
+			for ( std::size_t k = i > 0 ? i - 1 : 0; k < std::min( i + 2, count ); ++k )
+			{
+				const double now = power( k );
+				sum += now - powers[k];
+				powers[k] = now;
+			}
+		};
+		double best = seconds();
+		int moves = 0;
+		for ( double factor = first_factor; factor > least_factor && moves < most_moves; )
+		{
+			bool better = false;
+			for ( std::size_t i = 0; i < 2 * count; ++i, ++moves )
+			{
+				const double old = shares[i / 2];
+				take( i / 2, i % 2 == 0 ? old / factor : old * factor );
+				const bool gains = seconds() < best * ( 1 - least_faster );
+				gains ? static_cast<void>( best = seconds() ) : take( i / 2, old );
+				better = better || gains;
+			}
+			factor = better ? factor : std::sqrt( factor );
+		}
+		double at = 0;
+		for ( std::size_t i = 0; i + 1 < count; ++i )
+		{
+			at += shares[i] / all;
+			m_knots[first + 1 + i].u = at;
+		}
+	}
+
 	double secondsOf( std::size_t k, const motions::MotionLimits& limits ) const
 	{
-		const Piece piece = curve( k );
-		const double width = after( k ) - before( k );
+		return needOf( curve( k ), after( k ) - before( k ), limits );
+	}
+
+	/// Seconds for a unit of u that the limits ask for at a piece of this width.
+	static double needOf( const Piece& piece, double width, const motions::MotionLimits& limits )
+	{
 		const State p[4] = { piece.control( 0 ), piece.control( 1 ), piece.control( 2 ), piece.control( 3 ) };
 		double seconds = 0;
 		for ( std::size_t v = 0; v < piece.variables(); ++v )
@@ -263,6 +419,7 @@ Driven drive( Walker& walker, Manifold& manifold, const std::vector<Piece>& piec
 		return driven;
 	}
 	driven.proved = true;
+	driving.shareTime( limits );
 	driven.segments = driving.timed( limits, begin );
 	driven.rests = driving.rests();
 	return driven;

@@ -39,6 +39,37 @@ std::string box( const std::string& id, const std::string& size, const std::stri
 	       place + "], orientation: [0, 0, 0, 1]}]}\n";
 }
 
+/// How much of their time the segments need, by the limits of velocity, acceleration and jerk: the mean over the time.
+double neededShare( const ManifoldWorld& world, const manifold::Result& r )
+{
+	const motions::MotionLimits& limits = world.settings.limits;
+	const std::size_t n = world.problem.variables.size();
+	double needed = 0, all = 0;
+	for ( const motions::Segment& s : r.segments )
+	{
+		double most = 0;
+		for ( std::size_t v = 0; v < n; ++v )
+		{
+			const double *p = s.points.data() + v, h = s.seconds;
+			for ( std::size_t k = 0; k < 3; ++k )
+			{
+				most = std::max( most, 3 * std::fabs( p[( k + 1 ) * n] - p[k * n] ) / h / limits.velocity[v] );
+			}
+			for ( std::size_t k = 0; k < 2; ++k )
+			{
+				const double second = 6 * std::fabs( p[( k + 2 ) * n] - 2 * p[( k + 1 ) * n] + p[k * n] ) / ( h * h );
+				most = std::max( most, std::sqrt( second / limits.acceleration[v] ) );
+			}
+			const double third = 6 * std::fabs( p[3 * n] - 3 * p[2 * n] + 3 * p[n] - p[0] ) / ( h * h * h );
+			most = std::max( most, std::cbrt( third / limits.mostJerk( v ) ) );
+		}
+		EXPECT_LE( most, 1 + 1e-9 );
+		needed += most * s.seconds;
+		all += s.seconds;
+	}
+	return needed / all;
+}
+
 } // namespace
 
 TEST( ConstrainedTasks, ACupTiltsOnItsWayPastAShelf )
@@ -56,6 +87,7 @@ TEST( ConstrainedTasks, ACupTiltsOnItsWayPastAShelf )
 	    manifold::constrainedGoals( world.robot, world.problem, world.request, world.path, world.settings.edge, 1 );
 	const manifold::Result r = world.plan();
 	world.expectKept( r );
+	EXPECT_GT( neededShare( world, r ), 0.6 );
 	const Vector& last = r.segments.back().points;
 	const Matrix above = world.pose( "hand", Vector( last.end() - 7, last.end() ) );
 	EXPECT_LT( std::fabs( above[2][3] - ( 1.04 - under[2][3] ) ), 0.0101 );
@@ -85,6 +117,7 @@ TEST( ConstrainedTasks, ATrayLeavesTheHands )
 	world.task.goals = { goal };
 	const manifold::Result r = world.plan();
 	world.expectKept( r );
+	EXPECT_GT( neededShare( world, r ), 0.9 );
 	EXPECT_GT( r.bent, 0u );
 	EXPECT_GT( r.length, 0.4 );
 }
