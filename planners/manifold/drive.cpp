@@ -16,7 +16,7 @@ namespace
 constexpr int most_rounds = 14, rounds_before_rests = 5;
 constexpr double first_factor = 2, least_factor = 1.02; // of a piece's share of the time, by one change
 constexpr double least_faster = 1e-4;                   // of the time, by a change that is kept
-constexpr int most_moves = 4000;                        // changes that are tried
+constexpr int most_moves = 1000;                        // changes that are tried
 constexpr double need_power = 12;                       // of the mean of needs
 constexpr int share_rounds = 4;                         // with more states where a piece is not proved
 constexpr double least_part = 0.05;                     // of a change of shares that is not proved as a whole
