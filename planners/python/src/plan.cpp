@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Checker.plan(): arrays in, arrays out.
-#include "objects.hpp"
+// Checker.plan(): arrays in, arrays out. Checker.plan_request(): plans that keep a request's constraints along the path; a request in Python is a mapping
+// in the shape of MoveIt's message, which is read as its file would be.
+#include "constrained.hpp"
 
+#include "leeway/manifold/plan.hpp"
+#include "leeway/motions/path_constraints.hpp"
 #include "leeway/planners/planner.h"
 
+#include <nanobind/eval.h>
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <future>
 #include <limits>
 
@@ -193,6 +199,254 @@ void bindPlans( nb::module_&, nb::class_<PyChecker>& type )
 	    "clearance_seconds (infinity: until nothing is gained, so that equal seeds give equal paths); the path gets at most a tenth longer.\n\n"
 	    "Returns a Plan: outcome (leeway.Outcome), path float64 [n, dof] or None, length, ... ; message has the reasons without a path.\n"
 	    "Ctrl-C ends the search. Raises CoreError for an end outside of the bounds." );
+}
+
+// ---- constraints along the path --------------------------------------------------------------------------------------
+
+namespace
+{
+
+std::vector<double> limitOf(
+    const PyChecker& checker, const nb::object& given, const char* name, std::vector<double> otherwise )
+{
+	if ( given.is_none() )
+	{
+		return otherwise;
+	}
+	const Doubles numbers = nb::cast<Doubles>( given );
+	const double* values = vectorOf( numbers, checker.variables(), name, "variables of the group" );
+	return { values, values + checker.variables() };
+}
+
+/// A mapping without a start or a goal gets those of the arguments: the reader wants both.
+std::string textOf( const PyChecker& checker, const nb::object& request, const double* goal )
+{
+	const nb::dict all = nb::cast<nb::dict>( nb::module_::import_( "builtins" ).attr( "dict" )( request ) );
+	if ( !all.contains( "start_state" ) )
+	{
+		all["start_state"] = nb::dict();
+	}
+	if ( goal != nullptr )
+	{
+		nb::list joints;
+		for ( std::size_t i = 0; i < checker.variables(); ++i )
+		{
+			nb::dict joint;
+			joint["joint_name"] = checker.problem->variable_names[i];
+			joint["position"] = goal[i];
+			joints.append( joint );
+		}
+		nb::dict constraints;
+		constraints["joint_constraints"] = joints;
+		nb::list one;
+		one.append( constraints );
+		all["goal_constraints"] = one;
+	}
+	// Arrays and numbers of NumPy are lists and numbers of the message
+	const nb::object plain = nb::eval( "lambda value: value.tolist()" );
+	return nb::cast<std::string>( nb::module_::import_( "json" ).attr( "dumps" )( all, "default"_a = plain ) );
+}
+
+struct Asked
+{
+	io::PathConstraints path;
+	io::Request request;
+	std::vector<double> start;
+};
+
+/// @throws io::Error if joints outside of the group stand elsewhere than those of the checker
+std::vector<double> startOf( const io::Problem& problem, const io::Request& request )
+{
+	std::vector<double> q = io::startState( problem );
+	for ( const auto& [name, value] : request.start.values )
+	{
+		const auto found = std::find( problem.variable_names.begin(), problem.variable_names.end(), name );
+		if ( found != problem.variable_names.end() )
+		{
+			q[static_cast<std::size_t>( found - problem.variable_names.begin() )] = value;
+			continue;
+		}
+		for ( std::uint32_t v = 0; v < problem.reference.size(); ++v )
+		{
+			if ( io::variableName( problem.robot.get(), v ) == name && problem.reference[v] != value )
+			{
+				throw io::Error( request.file, "start_state " + name,
+				    "is a joint outside of the group, and stands elsewhere in the checker",
+				    "make the checker with this value in `reference`" );
+			}
+		}
+	}
+	return q;
+}
+
+Asked askedOf( const PyChecker& checker, const nb::object& request, const nb::object& start, const nb::object& goal )
+{
+	Asked asked;
+	Doubles keep_start, keep_goal;
+	const double* goal_values = nullptr;
+	if ( !goal.is_none() )
+	{
+		keep_goal = nb::cast<Doubles>( goal );
+		goal_values = vectorOf( keep_goal, checker.variables(), "goal", "variables of the group" );
+	}
+	const bool is_file = nb::isinstance<nb::str>( request ) || nb::hasattr( request, "__fspath__" );
+	const std::string file =
+	    is_file ? nb::cast<std::string>( nb::module_::import_( "os" ).attr( "fspath" )( request ) ) : "request";
+	asked.request = is_file ? io::loadConstrainedRequest( file, asked.path )
+	                        : io::parseConstrainedRequest( file, textOf( checker, request, goal_values ), asked.path );
+	if ( is_file && goal_values != nullptr )
+	{
+		throw nb::value_error( "goal: the request is a file, which has a goal; give the request as a mapping" );
+	}
+	if ( !asked.request.group.empty() && asked.request.group != checker.problem->group )
+	{
+		throw io::Error( asked.request.file, "group_name",
+		    "is " + asked.request.group + ", and the checker is of group '" + checker.problem->group + "'",
+		    "make a checker of the group of the request" );
+	}
+	if ( start.is_none() )
+	{
+		asked.start = startOf( *checker.problem, asked.request );
+		return asked;
+	}
+	keep_start = nb::cast<Doubles>( start );
+	const double* values = vectorOf( keep_start, checker.variables(), "start", "variables of the group" );
+	asked.start.assign( values, values + checker.variables() );
+	return asked;
+}
+
+/// Outcomes that are errors of the request.
+void requireUsable( const manifold::Result& plan, const std::string& file )
+{
+	using manifold::Outcome;
+	const bool start = plan.outcome == Outcome::START_BROKEN || plan.outcome == Outcome::START_NOT_FREE;
+	const bool goal = plan.outcome == Outcome::GOALS_BROKEN || plan.outcome == Outcome::GOALS_NOT_FREE;
+	if ( start || goal || plan.outcome == Outcome::EXCLUDED )
+	{
+		throw io::Error( file,
+		    start  ? "start_state"
+		    : goal ? "goal_constraints"
+		           : "path_constraints",
+		    manifold::summary( plan ),
+		    plan.outcome == Outcome::START_BROKEN ? "start where they are kept, or give mend_start=True"
+		    : start || goal                       ? "choose another state"
+		                                          : "widen their tolerances, or remove one" );
+	}
+}
+
+/// Points of the trajectory, proved as its reader drives it.
+nb::object planOf( const PyChecker& checker, const manifold::Result& plan, const io::PathConstraints& path,
+    const motions::TrajectorySettings& as_driven )
+{
+	const std::size_t count = checker.variables();
+	motions::TrajectoryFile file;
+	std::string message = plan.solved() ? std::string() : manifold::describe( plan );
+	bool solved = plan.solved();
+	if ( solved )
+	{
+		const io::Problem& problem = *checker.problem;
+		file = motions::endsOf( problem, plan.segments );
+		const std::vector<motions::Segment> segments =
+		    motions::segmentsOf( problem, file, motions::Interpolation::automatic, 0 );
+		const motions::TrajectoryAudit audit =
+		    motions::auditTrajectory( problem, *checker.model, "the plan", segments, as_driven );
+		std::vector<motions::Segment> kept;
+		std::copy_if( segments.begin(), segments.end(), std::back_inserter( kept ),
+		    [&]( const motions::Segment& segment ) { return segment.begin > plan.mended - 1e-9; } );
+		const std::vector<motions::ConstraintProof> proofs = motions::proveConstraints( problem, path, kept, {} );
+		solved = audit.valid() && motions::areKept( proofs );
+		message = solved ? message : motions::describe( audit ) + motions::describe( proofs );
+	}
+	const std::size_t points = solved ? file.points.size() : 0;
+	const NewArray<double> times( { points } ), positions( { points, count } ), velocities( { points, count } );
+	for ( std::size_t i = 0; i < points; ++i )
+	{
+		times.data[i] = file.points[i].time;
+		std::copy_n( file.points[i].positions.begin(), count, positions.data + i * count );
+		std::copy_n( file.points[i].velocities.begin(), count, velocities.data + i * count );
+	}
+	return result(
+	    "ConstrainedPlan", nb::make_tuple( solved, times.object, positions.object, velocities.object, plan.mended,
+	                           plan.length, plan.straight, plan.bent, plan.rests, plan.search_seconds, message.c_str() ) );
+}
+
+nb::object planRequest( const PyChecker& checker, const nb::object& request, const nb::object& start, const nb::object& goal,
+    bool mend_start, double seconds, const Whole& seed, double min_d, double slack, const std::string& check, bool smooth,
+    const nb::object& velocity, const nb::object& acceleration )
+{
+	const io::Problem& problem = *checker.problem;
+	const Asked asked = askedOf( checker, request, start, goal );
+	manifold::Settings settings;
+	settings.edge.min_d = min_d;
+	settings.edge.slack = slack;
+	settings.edge.flags = checkFlags( check );
+	settings.limits = limitsOf( checker, velocity, acceleration );
+	settings.seed = seed.seed();
+	settings.seconds = std::isfinite( seconds )                  ? seconds
+	                   : asked.request.allowed_planning_time > 0 ? asked.request.allowed_planning_time
+	                                                             : settings.seconds;
+	settings.shortcuts = smooth ? settings.shortcuts : 0;
+	manifold::Task task;
+	task.start = asked.start;
+	task.mend_start = mend_start;
+	motions::TrajectorySettings as_driven;
+	as_driven.edge = settings.edge;
+	manifold::Result plan;
+	{
+		const nb::gil_scoped_release unlocked;
+		task.goals =
+		    manifold::constrainedGoals( *checker.model, problem, asked.request, asked.path, settings.edge, settings.seed );
+		plan = manifold::planPath( *checker.model, problem, asked.path, task, settings );
+	}
+	requireUsable( plan, asked.request.file );
+	return planOf( checker, plan, asked.path, as_driven );
+}
+
+} // namespace
+
+motions::MotionLimits limitsOf( const PyChecker& checker, const nb::object& velocity, const nb::object& acceleration )
+{
+	motions::MotionLimits limits;
+	if ( velocity.is_none() )
+	{
+		limits = motions::motionLimits( *checker.problem, *checker.model, {} );
+	}
+	limits.velocity = limitOf( checker, velocity, "velocity", limits.velocity );
+	limits.acceleration = limitOf(
+	    checker, acceleration, "acceleration", std::vector<double>( checker.variables(), motions::default_acceleration ) );
+	for ( const std::vector<double>* values : { &limits.velocity, &limits.acceleration } )
+	{
+		for ( const double value : *values )
+		{
+			if ( !( value > 0 && value < HUGE_VAL ) )
+			{
+				throw nb::value_error( "velocity, acceleration: limits have to be above 0, and finite" );
+			}
+		}
+	}
+	return limits;
+}
+
+void bindConstrained( nb::class_<PyChecker>& type )
+{
+	constexpr double infinity = std::numeric_limits<double>::infinity();
+	type.def( "plan_request", &planRequest, "request"_a, "start"_a = nb::none(), "goal"_a = nb::none(), nb::kw_only(),
+	    "mend_start"_a = false, "seconds"_a = infinity, "seed"_a.none() = 1, "min_d"_a = 0.0, "slack"_a = 1e-3,
+	    "check"_a = "both", "smooth"_a = true, "velocity"_a = nb::none(), "acceleration"_a = nb::none(),
+	    nb::sig(
+	        "def plan_request(self, request: typing.Mapping | str | os.PathLike, start: numpy.typing.ArrayLike | None = None, "
+	        "goal: numpy.typing.ArrayLike | None = None, *, mend_start: bool = False, seconds: float = float('inf'), "
+	        "seed: int = 1, min_d: float = 0.0, slack: float = 0.001, check: str = 'both', smooth: bool = True, "
+	        "velocity: numpy.typing.ArrayLike | None = None, acceleration: numpy.typing.ArrayLike | None = None) -> "
+	        "leeway.results.ConstrainedPlan" ),
+	    "A motion that keeps the request's path_constraints, clearances and limits at all times, proved: cubics, straight where they may be.\n\n"
+	    "request: a mapping in the shape of moveit_msgs/MotionPlanRequest (lists, numbers, arrays of NumPy), or the name of its file: start_state,\n"
+	    "goal_constraints, path_constraints. start: float64 [dof], in place of start_state, which may be missing in a mapping; goal: float64 [dof],\n"
+	    "in place of goal_constraints of a mapping. mend_start: a start that breaks constraints is led to them by a first motion, proved free.\n"
+	    "seconds: of the search; infinity: the request's allowed_planning_time, else 60. smooth: shortcuts. velocity, acceleration: float64 [dof]\n"
+	    "limits (None: of the robot; 1). Returns ConstrainedPlan; trajectory(times, positions, velocities) proves its clearances once more. Equal\n"
+	    "seeds give equal plans, unless the time is over. Raises InputError for a request that cannot be read, of another group, and for starts,\n"
+	    "goals and constraints that cannot be kept, with the amounts." );
 }
 
 } // namespace leeway::python
