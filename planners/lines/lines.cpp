@@ -20,16 +20,6 @@ constexpr std::size_t most_ends = 16;
 constexpr int back_steps = 16;
 constexpr std::size_t few_attempts = 8; // if no state has the last pose: to see where the way ends
 
-double length( const lw_vec3& v )
-{
-	return std::sqrt( v.x * v.x + v.y * v.y + v.z * v.z );
-}
-
-[[noreturn]] void wrong( const std::string& element, const std::string& problem, const std::string& remedy )
-{
-	throw io::Error( "line", element, problem, remedy );
-}
-
 void check( const Task& task, std::size_t variables )
 {
 	if ( !( task.tolerance > 0 && task.tolerance < HUGE_VAL ) || !( task.angle > 0 ) || !( task.speed > 0 ) )

@@ -21,16 +21,6 @@ constexpr double straight = 1e-6;         // radians: a corner that is none
 constexpr double back = 0.02;             // radians from a reversal: no circle is there
 constexpr std::uint32_t least_places = 8; // of a leg
 
-[[noreturn]] void wrong( const std::string& element, const std::string& problem, const std::string& remedy )
-{
-	throw io::Error( "line", element, problem, remedy );
-}
-
-double length( const lw_vec3& v )
-{
-	return std::sqrt( v.x * v.x + v.y * v.y + v.z * v.z );
-}
-
 Vector3d vectorOf( const lw_vec3& v )
 {
 	return { v.x, v.y, v.z };
@@ -382,6 +372,16 @@ private:
 };
 
 } // namespace
+
+[[noreturn]] void wrong( const std::string& element, const std::string& problem, const std::string& remedy )
+{
+	throw io::Error( "line", element, problem, remedy );
+}
+
+double length( const lw_vec3& v )
+{
+	return std::sqrt( v.x * v.x + v.y * v.y + v.z * v.z );
+}
 
 double fractionAt( double u )
 {

@@ -14,6 +14,10 @@
 namespace leeway::lines
 {
 
+/// @throws io::Error about a task, always
+[[noreturn]] void wrong( const std::string& element, const std::string& problem, const std::string& remedy );
+double length( const lw_vec3& v );
+
 constexpr std::uint32_t most_places = 1 << 16;
 
 /// Place as u.
