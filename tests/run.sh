@@ -36,7 +36,7 @@ long_tests=(
 	'^ConstrainedPlanAttack' '^RandomLinesData' '^RandomPlansData' '^Separation.Somebody' '^Separation.NearIs' '^Separation.KnownPlane' '^DroppedTest'
 	'^Inverse.Branches' '^Inverse.StatesHave' '^GuardWorlds'
 	# commands whose readers are tested in test_io and by the fuzzers' corpora: each starts the program, which takes half a second under sanitizers
-	'^CliFields' '^CliWords' '^CliMessages' '^CliTune' '^CliEnds' '^CliTrajectory' '^CliSteps' '^Everything/PairsBadInput' '^Killed' '^Cache\.'
+	'^CliFields' '^CliWords' '^CliMessages' '^CliTune' '^CliEnds' '^CliTrajectory' '^CliSteps' '^Everything/PairsBadInput' '/CliBadInput' '^Killed' '^Cache\.'
 	'^CacheData' '^Cli.Spherize' '^CliData' '^PairsData' '^examples' )
 # No parentheses: CTest takes at most nine, and leaves out nothing if there are more
 long_names=$( IFS='|' && echo "${long_tests[*]}" )
