@@ -27,6 +27,7 @@ function(leeway_alone target)
     set_source_files_properties(${ARGN} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()
 endfunction()
+leeway_alone(test_ompl ompl/counting_allocator.cpp) # it replaces new and delete
 leeway_alone(test_native_planner native_planner/portfolio_test.cpp native_planner/proof_test.cpp)
 leeway_alone(test_cli cli/ends_test.cpp cli/pairs_fixture.cpp)
 leeway_alone(test_bench bench/report_test.cpp)
