@@ -106,7 +106,7 @@ def test_starts_and_goals_that_break_constraints_are_errors(arm):
 
 def test_a_plan_that_is_not_found_says_why(arm):
     scene = leeway.Scene()
-    scene.add("cage", leeway.Shape.box(0.02, 3, 3), [0.02, 0, 1.2])
+    scene.add("wall", leeway.Shape.box(0.02, 10, 10), [0.02, 0, 1.2])
     checker = leeway.Checker(arm, scene)
     fixed = {"path_constraints": {"joint_constraints": [{"joint_name": "j4", "position": -1.6, "tolerance_above": 0.2, "tolerance_below": 0.2}]}}
     plan = checker.plan_request(fixed, [0, 0.3, 0, -1.6, 0, 0.5, 0.3], [3.1 - 0.4, 0.3, 0, -1.6, 0, 0.5, 0.3], seconds=0.3)
