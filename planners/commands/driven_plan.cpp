@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is proved, certified and shown is what a reader of the trajectory's file drives.
+// The proof, the certificate and the page are of the motion that a reader of the trajectory's file drives.
 #include "commands/driven_plan.hpp"
 #include "motions/report.hpp"
 

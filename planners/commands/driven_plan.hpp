@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A planned motion of cubics as a controller drives it: its trajectory, the proof of what that file says, its certificate and its page.
+// A planned motion of cubics as a controller drives it: its trajectory, the proof of that file's motion, its certificate and its page.
 #pragma once
 
 #include "commands/certificate_file.hpp"
@@ -25,7 +25,7 @@ public:
 	bool isProved() const { return m_proved; }
 	/// Writes all files together, and tells.
 	/// @param good the motion is written; else only the report and the page
-	/// @param unproved of a certificate, a sentence on what it leaves out; empty: nothing
+	/// @param unproved a sentence for users: the claims that the certificate leaves out; empty: none
 	/// @param notes sentences for the page
 	/// @return exit status
 	int finish( const io::Problem& problem, const Input& input, bool good, const std::string& text, std::string report,

@@ -707,7 +707,7 @@ Audit auditSolution(
 	return audit;
 }
 
-/// What the request asks for along the path.
+/// The request's constraints along the path, or its waypoints.
 io::PathConstraints alongPath( const PlanOptions& options )
 {
 	io::PathConstraints path;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Checker.plan_request(), and what it shares with Checker.plan_line().
+// Checker.plan_request(), and the limits of a motion, which Checker.plan_line() takes too.
 #pragma once
 
 #include "objects.hpp"

@@ -60,11 +60,7 @@ void PointCloud::add( double x, double y, double z )
 
 PointCloud readPointCloud( const std::string& file )
 {
-	std::string extension = std::filesystem::path( file ).extension().string();
-	for ( char& c : extension )
-	{
-		c = static_cast<char>( std::tolower( static_cast<unsigned char>( c ) ) );
-	}
+	const std::string extension = lower( std::filesystem::path( file ).extension().string() );
 	if ( extension != ".pcd" && extension != ".ply" )
 	{
 		throw Error( file, "", "is of a type that holds no point cloud known here", "give a .pcd or .ply file" );
