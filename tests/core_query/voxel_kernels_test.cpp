@@ -86,6 +86,82 @@ TEST( Kernels, APointIsInAnotherVoxel )
 	EXPECT_GT( inside, 10000u );
 }
 
+TEST( Kernels, APixelSeesAnotherPointOrItsRayEndsElsewhere )
+{
+	SeededRng rng( 20261130 );
+	std::size_t in_range = 0, beyond = 0, unmeasured = 0;
+	for ( int round = 0; round < 3000; ++round )
+	{
+		lwi_voxel_grid grid = {};
+		grid.inverse = 1 / rng.decade( -3, 0 );
+		for ( double& high : grid.high )
+		{
+			high = 64;
+		}
+		grid.wide = grid.tall = 2;
+		lwi_pixel_row row = {};
+		std::vector<double> columns( 30 );
+		const auto u = static_cast<std::uint32_t>( rng.uniform( 0, 8 ) );
+		for ( double& x : columns )
+		{
+			x = rng.uniform( -0.5, 0.5 );
+		}
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			row.columns[k] = columns.data() + 5 * k;
+			row.row[k] = rng.uniform( -1, 1 );
+			row.t[k] = 32 / grid.inverse;
+		}
+		const bool trusts = round % 2 == 0;
+		row.near = round % 3 == 0 ? 0 : 0.5;
+		row.far = round % 5 == 0 ? HUGE_VAL : 2;
+		row.most = trusts ? HUGE_VAL : 1.7e308;
+		row.beyond = trusts && row.far < HUGE_VAL ? row.far : 0;
+		std::array<double, LWI_WIDTH> depths;
+		for ( double& z : depths )
+		{
+			const double kind = rng.uniform( 0, 20 );
+			z = kind < 1   ? std::nan( "" )
+			    : kind < 2 ? HUGE_VAL
+			    : kind < 3 ? 0
+			    : kind < 4 ? row.near
+			    : kind < 5 ? row.far
+			               : rng.uniform( -0.5, 3 );
+		}
+		for ( const lwi_kernels* table : kernelLevels() )
+		{
+			lwi_eight_pixels got;
+			table->pixel_voxels( &grid, &row, u, depths.data(), &got );
+			double points[3][LWI_WIDTH];
+			for ( std::size_t i = 0; i < LWI_WIDTH; ++i )
+			{
+				const double z = depths[i];
+				const bool measured = z > 0 && z <= row.most, in = measured && z >= row.near && z <= row.far;
+				ASSERT_EQ( measured, ( got.measured >> i & 1u ) != 0 ) << "level " << table->level << ", depth " << z;
+				ASSERT_EQ( in, ( got.in_range >> i & 1u ) != 0 ) << "level " << table->level << ", depth " << z;
+				const double end = in ? z : measured && z > row.far ? row.beyond : 0;
+				ASSERT_EQ( static_cast<float>( end ), got.rays[i] ) << "level " << table->level << ", depth " << z;
+				for ( std::size_t k = 0; k < 3; ++k )
+				{
+					points[k][i] = row.t[k] + z * ( row.row[k] + row.columns[k][u + i] );
+					ASSERT_TRUE( !in || points[k][i] == got.points[k][i] ) << "level " << table->level;
+				}
+				++( in ? in_range : measured ? beyond : unmeasured );
+			}
+			std::uint32_t place[LWI_WIDTH], voxel[LWI_WIDTH];
+			const std::uint32_t lanes = table->point_voxels( &grid, points, place, voxel ) & got.in_range;
+			ASSERT_EQ( lanes, got.in_grid & got.in_range ) << "level " << table->level;
+			for ( std::size_t i = 0; i < LWI_WIDTH; ++i )
+			{
+				ASSERT_TRUE( ( lanes >> i & 1u ) == 0 || ( place[i] == got.place[i] && voxel[i] == got.voxel[i] ) );
+			}
+		}
+	}
+	EXPECT_GT( in_range, 5000u );
+	EXPECT_GT( beyond, 1000u );
+	EXPECT_GT( unmeasured, 1000u );
+}
+
 TEST( Kernels, AVoxelIsBeforeAnotherPixel )
 {
 	SeededRng rng( 20261129 );

@@ -17,9 +17,9 @@ static const uint32_t UNUSED_FRAMES = 300; ///< after which a grid is given back
 typedef struct lwi_body_grid lwi_body_grid;
 struct lwi_body_grid
 {
-	lw_shape* shape; ///< a reference
-	double low[3];   ///< shape frame
-	double cell;     ///< metres
+	lw_shape* shape;      ///< a reference
+	double low[3];        ///< shape frame
+	double cell, inverse; ///< metres, and 1 / cell
 	uint32_t size[3];
 	float*
 		distance; ///< of the centres of cells; NaN: not measured, infinite: so far that all of the cell is beyond the shadow
@@ -64,6 +64,7 @@ static lwi_body_grid* new_grid( lw_cloud* cloud, const lw_shape* shape )
 		longest = lwi_larger( longest, info.box_max[k] - info.box_min[k] + 2 * shadow );
 	}
 	grid->cell = lwi_larger( longest / CELLS_ALONG, lwi_larger( shadow / CELLS_IN_SHADOW, 0.5 * cloud->def.resolution ) );
+	grid->inverse = 1 / grid->cell;
 	for ( int k = 0; k < 3; ++k )
 	{
 		grid->low[k] = info.box_min[k] - shadow;
@@ -231,7 +232,7 @@ static bool is_on_body( lw_cloud* cloud, const lwi_own_body* body, lw_vec3 point
 	size_t place = 0;
 	for ( int k = 2; k >= 0; --k )
 	{
-		const double cell = ( at[k] - grid->low[k] ) / grid->cell;
+		const double cell = ( at[k] - grid->low[k] ) * grid->inverse;
 		if ( !( cell >= 0 && cell < grid->size[k] ) )
 		{
 			return false; // beyond the box and the shadow

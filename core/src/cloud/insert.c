@@ -183,12 +183,6 @@ typedef struct inserter
 	entered last[LWI_CHUNK_BLOCKS];
 } inserter;
 
-/// Points in lanes, world.
-typedef struct eight_points
-{
-	double p[3][8];
-} eight_points;
-
 static inserter begin_insert( lw_cloud* cloud, const lwi_own_body* bodies, uint32_t body_count, lw_cloud_report* report )
 {
 	inserter in = { .cloud = cloud, .report = report, .bodies = bodies, .body_count = body_count };
@@ -261,10 +255,10 @@ static void leave_block( const inserter* in, const entered* e )
 }
 
 /// @return false: the point is on the robot's own body
-static bool find_block( inserter* in, const eight_points* points, int i, entered* e )
+static bool find_block( inserter* in, const lwi_eight_pixels* eight, uint32_t i, entered* e )
 {
-	if ( e->is_near &&
-		 lwi_own_body_has( in->cloud, in->bodies, &e->near, lwi_v3( points->p[0][i], points->p[1][i], points->p[2][i] ) ) )
+	if ( e->is_near && lwi_own_body_has( in->cloud, in->bodies, &e->near,
+						   lwi_v3( eight->points[0][i], eight->points[1][i], eight->points[2][i] ) ) )
 	{
 		++in->report->own;
 		return false;
@@ -277,27 +271,28 @@ static bool find_block( inserter* in, const eight_points* points, int i, entered
 	return !e->is_lost;
 }
 
-/// @param lanes which of the eight are points
-static void insert_points8( inserter* in, const eight_points* points, uint32_t lanes )
+/// Inserts those in range of eight points whose voxels are known.
+static void insert_eight( inserter* in, const lwi_eight_pixels* eight )
 {
-	uint32_t place[8], voxel[8];
-	const uint32_t in_box = in->cloud->kernels->point_voxels( &in->grid, points->p, place, voxel ) & lanes;
-	in->report->outside += lwi_bits( lanes & ~in_box );
-	for ( uint64_t left = in_box; left != 0; left &= left - 1 )
+	if ( ( eight->in_range & ~eight->in_grid ) != 0 )
 	{
-		const uint32_t i = lwi_lowest( left );
-		entered* e = &in->last[place[i] % LWI_CHUNK_BLOCKS];
-		if ( e->place != place[i] )
+		in->report->outside += lwi_bits( eight->in_range & ~eight->in_grid );
+	}
+	for ( uint64_t left = eight->in_range & eight->in_grid; left != 0; left &= left - 1 )
+	{
+		const uint32_t i = lwi_lowest( left ), place = eight->place[i], voxel = eight->voxel[i];
+		entered* e = &in->last[place % LWI_CHUNK_BLOCKS];
+		if ( e->place != place )
 		{
 			leave_block( in, e );
-			enter_block( in, place[i], e );
+			enter_block( in, place, e );
 		}
-		if ( ( e->is_near || e->block == NULL ) && !find_block( in, points, (int)i, e ) )
+		if ( ( e->is_near || e->block == NULL ) && !find_block( in, eight, i, e ) )
 		{
 			continue;
 		}
 		++in->report->inserted;
-		e->block->hit[voxel[i] / 64] |= (uint64_t)1 << voxel[i] % 64;
+		e->block->hit[voxel / 64] |= (uint64_t)1 << voxel % 64;
 	}
 }
 
@@ -333,6 +328,15 @@ static double load_double( const unsigned char* from, bool swapped )
 	return value;
 }
 
+/// @param count of the eight that are points
+static void insert_points8( inserter* in, lwi_eight_pixels* eight, uint32_t count )
+{
+	eight->in_range = ( 1u << count ) - 1;
+	eight->in_grid = in->cloud->kernels->point_voxels( &in->grid, (const double( * )[LWI_WIDTH])eight->points, eight->place,
+		eight->voxel );
+	insert_eight( in, eight );
+}
+
 /// Inserts the points and notes their rays. @return how many rays there are
 static uint32_t insert_points( inserter* in, const lw_cloud_frame* frame, float ( *rays )[3] )
 {
@@ -340,7 +344,7 @@ static uint32_t insert_points( inserter* in, const lw_cloud_frame* frame, float 
 	const lw_transform* pose = &frame->world_from_sensor;
 	const double near_sq = frame->near * frame->near, far_sq = frame->far * frame->far;
 	uint32_t count = 0, lane = 0;
-	eight_points eight = { 0 };
+	lwi_eight_pixels eight = { 0 };
 	for ( uint32_t i = 0; i < points->width * points->height; ++i )
 	{
 		const unsigned char* at = (const unsigned char*)points->data + i / points->width * points->row_step +
@@ -370,12 +374,12 @@ static uint32_t insert_points( inserter* in, const lw_cloud_frame* frame, float 
 		}
 		else
 		{
-			eight.p[0][lane] = points->in_world ? c[0] : ray.x + pose->t[0];
-			eight.p[1][lane] = points->in_world ? c[1] : ray.y + pose->t[1];
-			eight.p[2][lane] = points->in_world ? c[2] : ray.z + pose->t[2];
+			eight.points[0][lane] = points->in_world ? c[0] : ray.x + pose->t[0];
+			eight.points[1][lane] = points->in_world ? c[1] : ray.y + pose->t[1];
+			eight.points[2][lane] = points->in_world ? c[2] : ray.z + pose->t[2];
 			if ( ++lane == 8 )
 			{
-				insert_points8( in, &eight, 0xff );
+				insert_points8( in, &eight, lane );
 				lane = 0;
 			}
 		}
@@ -387,7 +391,7 @@ static uint32_t insert_points( inserter* in, const lw_cloud_frame* frame, float 
 			++count;
 		}
 	}
-	insert_points8( in, &eight, ( 1u << lane ) - 1 );
+	insert_points8( in, &eight, lane );
 	return count;
 }
 
@@ -416,76 +420,55 @@ static void load_depths( const lw_cloud_depth* depth, uint32_t v, double* restri
 	}
 }
 
-/// Depths without a point become NaN. Counts them. @param rays [width] depths that the rays clear to, 0 if a pixel says nothing; NULL: not wanted
-static void judge_depths( const lw_cloud_frame* frame, double* restrict z, float* restrict rays, lw_cloud_report* report )
-{
-	const double near = frame->near, far = frame->far, most = frame->trust_far ? INFINITY : DBL_MAX;
-	const double beyond = frame->trust_far ? far : 0;
-	const uint32_t width = frame->depth.width;
-	uint32_t measured = 0, in_range = 0;
-	for ( uint32_t u = 0; u < width; ++u )
-	{
-		const double d = z[u];
-		const bool is = ( d > 0 ) & ( d <= most ), in = is & ( d >= near ) & ( d <= far );
-		measured += is;
-		in_range += in;
-		z[u] = in ? d : NAN;
-		if ( rays != NULL )
-		{
-			rays[u] = (float)( in ? d : is & ( d > far ) ? beyond : 0 );
-		}
-	}
-	report->not_measured += width - measured;
-	report->out_of_range += measured - in_range;
-}
-
 /// Directions of the rays: the point of pixel (u, v) at depth z is t + z (rows[v] + columns[u]), world. The first row of `depths` is that of a band.
 typedef struct rays_of_depth
 {
 	uint32_t stride;    ///< the width, or up to 7 more: a multiple of eight
 	double* columns[3]; ///< [stride]
 	double ( *rows )[3];
-	double* depths; ///< [SQUARE][stride], NaN without a point
+	double* depths; ///< [SQUARE][stride], NaN beyond the width
+	float* ends;    ///< [SQUARE][stride] depths that the rays clear to, 0 if a pixel says nothing
 } rays_of_depth;
 
-/// Inserts the points of eight pixels of a row.
-static void insert_pixels( inserter* in, const lw_cloud_frame* frame, const rays_of_depth* rays, uint32_t u, uint32_t v )
+/// Inserts the points of a row's pixels from `left` to `right` and notes where their rays end.
+static void insert_pixels( inserter* in, const lwi_pixel_row* row, const double* depths, uint32_t left, uint32_t right,
+	float* ends )
 {
-	const double* z = rays->depths + (size_t)( v % SQUARE ) * rays->stride + u;
-	uint32_t lanes = 0;
-	for ( int i = 0; i < 8; ++i )
+	lw_cloud_report* report = in->report;
+	for ( uint32_t u = left; u < right; u += LWI_WIDTH )
 	{
-		lanes |= (uint32_t)( z[i] == z[i] ) << i;
-	}
-	if ( lanes == 0 )
-	{
-		return;
-	}
-	eight_points points;
-	for ( int k = 0; k < 3; ++k )
-	{
-		const double t = frame->world_from_sensor.t[k], row = rays->rows[v][k], *column = rays->columns[k] + u;
-		for ( int i = 0; i < 8; ++i )
+		lwi_eight_pixels eight;
+		in->cloud->kernels->pixel_voxels( &in->grid, row, u, depths + u, &eight );
+		memcpy( ends + u, eight.rays, sizeof( eight.rays ) );
+		if ( eight.in_range != 0xff )
 		{
-			points.p[k][i] = t + z[i] * ( row + column[i] );
+			const uint32_t count = right - u < LWI_WIDTH ? right - u : LWI_WIDTH;
+			report->not_measured += count - lwi_bits( eight.measured );
+			report->out_of_range += lwi_bits( eight.measured & ~eight.in_range );
 		}
+		insert_eight( in, &eight );
 	}
-	insert_points8( in, &points, lanes );
 }
 
 /// Inserts the points of some rows: square by square, for neighbours fall into the same blocks.
 static void insert_band( inserter* in, const lw_cloud_frame* frame, const rays_of_depth* rays, uint32_t top,
 	uint32_t bottom )
 {
-	for ( uint32_t left = 0; left < rays->stride; left += SQUARE )
+	const uint32_t width = frame->depth.width;
+	lwi_pixel_row row = { .columns = { rays->columns[0], rays->columns[1], rays->columns[2] },
+		.near = frame->near,
+		.far = frame->far,
+		.most = frame->trust_far ? INFINITY : DBL_MAX,
+		.beyond = frame->trust_far ? frame->far : 0 };
+	memcpy( row.t, frame->world_from_sensor.t, sizeof( row.t ) );
+	for ( uint32_t left = 0; left < width; left += SQUARE )
 	{
-		const uint32_t right = left + SQUARE < rays->stride ? left + SQUARE : rays->stride;
+		const uint32_t right = left + SQUARE < width ? left + SQUARE : width;
 		for ( uint32_t v = top; v < bottom; ++v )
 		{
-			for ( uint32_t u = left; u < right; u += 8 )
-			{
-				insert_pixels( in, frame, rays, u, v );
-			}
+			const size_t begin = (size_t)( v % SQUARE ) * rays->stride;
+			memcpy( row.row, rays->rows[v], sizeof( row.row ) );
+			insert_pixels( in, &row, rays->depths + begin, left, right, rays->ends + begin );
 		}
 	}
 }
@@ -514,11 +497,14 @@ static void insert_depth( inserter* in, const lw_cloud_frame* frame, const rays_
 		const uint32_t bottom = top + SQUARE < depth->height ? top + SQUARE : depth->height;
 		for ( uint32_t v = top; v < bottom; ++v )
 		{
-			double* z = rays->depths + (size_t)( v % SQUARE ) * rays->stride;
-			load_depths( depth, v, z );
-			judge_depths( frame, z, seen != NULL ? seen + (size_t)v * depth->width : NULL, in->report );
+			load_depths( depth, v, rays->depths + (size_t)( v % SQUARE ) * rays->stride );
 		}
 		insert_band( in, frame, rays, top, bottom );
+		for ( uint32_t v = top; v < bottom && seen != NULL; ++v )
+		{
+			memcpy( seen + (size_t)v * depth->width, rays->ends + (size_t)( v % SQUARE ) * rays->stride,
+				depth->width * sizeof( float ) );
+		}
 	}
 }
 
@@ -542,7 +528,7 @@ static bool make_room( lw_cloud* cloud, const lw_cloud_frame* frame, prepared* o
 	{
 		lwi_array* directions = &cloud->scratch[0];
 		const uint32_t stride = ( frame->depth.width + 7 ) / 8 * 8, height = frame->depth.height;
-		const size_t numbers = 3 * ( (size_t)stride + height ) + (size_t)SQUARE * stride;
+		const size_t numbers = 3 * ( (size_t)stride + height ) + 2 * (size_t)SQUARE * stride;
 		out->clears = out->clears && stride > 0 && height > 0;
 		if ( !lwi_array_reserve( directions, &cloud->allocator, 1, numbers * sizeof( double ) ) ||
 			 ( out->clears && !lwi_view_begin( cloud, frame->depth.width, height, false, &out->view ) ) )
@@ -557,6 +543,7 @@ static bool make_room( lw_cloud* cloud, const lw_cloud_frame* frame, prepared* o
 		}
 		out->directions.depths = next;
 		out->directions.rows = ( double( * )[3] )( next + (size_t)SQUARE * stride );
+		out->directions.ends = (float*)( out->directions.rows + height );
 		for ( size_t i = 0; i < (size_t)( 3 + SQUARE ) * stride; ++i )
 		{
 			( (double*)directions->data )[i] = NAN; // also beyond the width

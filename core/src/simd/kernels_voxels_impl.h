@@ -43,6 +43,48 @@ static uint32_t point_voxels( const lwi_voxel_grid* grid, const double ( *restri
 	return outside ^ 0xffu;
 }
 
+// A function of its own: GCC 12 else takes the three axes, not the pixels, for lanes.
+static inline void pixel_points( const lwi_pixel_row* row, int axis, uint32_t u, const double* restrict depths,
+	double* restrict points )
+{
+	const double t = row->t[axis], by_row = row->row[axis];
+	const double* restrict columns = row->columns[axis] + u;
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		points[i] = t + depths[i] * ( by_row + columns[i] );
+	}
+}
+
+static void pixel_voxels( const lwi_voxel_grid* grid, const lwi_pixel_row* row, uint32_t u, const double* restrict depths,
+	lwi_eight_pixels* restrict out )
+{
+	const double near = row->near, far = row->far, most = row->most, beyond = row->beyond;
+	double is[LWI_WIDTH], in[LWI_WIDTH];
+	int32_t measured[LWI_WIDTH], in_range[LWI_WIDTH];
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		const double d = depths[i], a = d > 0 ? d : 0, b = a <= most ? a : 0, c = b >= near ? b : 0, e = c <= far ? c : 0;
+		out->rays[i] = (float)( b > far ? beyond : e );
+		is[i] = b > 0 ? 1 : 0;
+		in[i] = e > 0 ? 1 : 0;
+	}
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		measured[i] = (int32_t)is[i];
+		in_range[i] = (int32_t)in[i];
+	}
+	pixel_points( row, 0, u, depths, out->points[0] );
+	pixel_points( row, 1, u, depths, out->points[1] );
+	pixel_points( row, 2, u, depths, out->points[2] );
+	out->in_grid = point_voxels( grid, (const double( * )[LWI_WIDTH])out->points, out->place, out->voxel );
+	out->measured = out->in_range = 0;
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		out->measured |= (uint32_t)measured[i] << i;
+		out->in_range |= (uint32_t)in_range[i] << i;
+	}
+}
+
 static uint32_t voxels_before( const lwi_voxel_view* view, const float middle[3] )
 {
 	const float width = (float)view->width, height = (float)view->height;

@@ -21,6 +21,24 @@ typedef struct lwi_voxel_grid
 	uint32_t wide, tall; ///< chunks along x and y
 } lwi_voxel_grid;
 
+/// Pixels of a row of a depth image: that of column u sees the point t + z (row + columns[u]) at depth z, world. A depth is a point from `near` to `far`;
+/// one beyond `far`, up to `most`, clears its ray up to `beyond`.
+typedef struct lwi_pixel_row
+{
+	const double* columns[3];
+	double row[3], t[3];
+	double near, far, most, beyond; ///< metres
+} lwi_pixel_row;
+
+/// What eight pixels saw.
+typedef struct lwi_eight_pixels
+{
+	double points[3][LWI_WIDTH];                 ///< world; without meaning where the pixel is not in range
+	float rays[LWI_WIDTH];                       ///< depths that the rays clear to, 0 if a pixel says nothing
+	uint32_t place[LWI_WIDTH], voxel[LWI_WIDTH]; ///< of the points, see point_voxels
+	uint32_t measured, in_range, in_grid;        ///< lanes
+} lwi_eight_pixels;
+
 /// The depths that a sensor saw, and a cube of eight voxels in its view: pixel (u, v) looks along ((u - cx) / fx, (v - cy) / fy, 1).
 typedef struct lwi_voxel_view
 {
