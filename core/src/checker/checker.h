@@ -123,12 +123,8 @@ void lwi_checker_body_environment( const lw_checker* checker, lw_query* query, u
 uint32_t lwi_checker_near_self( const lw_checker* checker, lw_query* query, const lwi_bound* bound );
 uint32_t lwi_checker_next_near_self( const lw_checker* checker, lw_query* query, const lwi_bound* bound, uint32_t* count );
 
-/// Two bodies under a bound of their own. @param id as lwi_body_pair_id()
+/// Clearance of one pair of bodies. out->a, out->b = links. @param id as lwi_body_pair_id()
 /// @param cached as for lwi_checker_body_environment(); of another pair: not used, but written
-void lwi_checker_self_pair( const lw_checker* checker, lw_query* query, uint32_t id, struct lwi_cached_pair* cached,
-	lwi_bound* bound );
-
-/// Clearance of one pair of bodies. out->a, out->b = links.
 void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lw_range* range,
 	struct lwi_cached_pair* cached, lw_clearance* out );
 

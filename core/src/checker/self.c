@@ -537,26 +537,6 @@ void lwi_checker_self( const lw_checker* checker, lw_query* query, const lw_rang
 	}
 }
 
-void lwi_checker_self_pair( const lw_checker* checker, lw_query* query, uint32_t id, lwi_cached_pair* cached,
-	lwi_bound* bound )
-{
-	const uint32_t stride = checker->base->body_block_count * LWI_WIDTH;
-	const lwi_checker_body* bodies = checker->base->bodies;
-	if ( cached->pair == id && lwi_memory_pays( bodies[id / stride].shape, bodies[id % stride].shape ) )
-	{
-		measure_cached_pair( checker, query, cached, bound );
-	}
-	if ( !bound->done )
-	{
-		bound->current_pair = id;
-		search_self_pair( checker, query, id / stride, id % stride, bound, lwi_search );
-	}
-	if ( bound->upper < INFINITY )
-	{
-		*cached = ( lwi_cached_pair ){ id, bound->triangle_a, bound->triangle_b, bound->upper, true };
-	}
-}
-
 void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t id, const lw_range* range,
 	lwi_cached_pair* cached, lw_clearance* out )
 {
@@ -566,7 +546,13 @@ void lwi_checker_body_pair( const lw_checker* checker, lw_query* query, uint32_t
 	bound.lowest = lwi_lowest_self( checker->base );
 	if ( body_gap_below( checker, query, a, b, bound.cutoff ) < INFINITY )
 	{
-		lwi_checker_self_pair( checker, query, id, cached, &bound );
+		lwi_pose_body( checker, query, a );
+		lwi_pose_body( checker, query, b );
+		const lw_transform relative = lwi_relative( &query->pose.world_from_body[a], &query->pose.world_from_body[b] );
+		bound.current_pair = id;
+		bound.margin = lwi_self_margin( checker->base, a, b );
+		lwi_search_remembered( query, checker->base->bodies[a].shape, checker->base->bodies[b].shape, &relative, cached,
+			&bound );
 	}
 	self_result( checker, query, &bound, a, b, out );
 }

@@ -186,26 +186,12 @@ static near_pair meet( const lw_checker* checker, lw_query* query, const lwi_nea
 	return p;
 }
 
-/// The nearest triangles of the last time first, then all.
 static void search_bodies( const near_pair* p, lwi_bound* bound )
 {
-	lwi_cached_pair* nearest = &p->memory->nearest;
 	bound->current_pair = p->bodies->a * p->stride + p->bodies->b;
 	bound->margin = -bound->range.min_d;
 	bound->was_near = p->follows && !p->memory->far;
-	if ( nearest->pair == bound->current_pair && lwi_memory_pays( p->a, p->b ) &&
-		 lwi_cached_pair_pays( p->query, nearest, bound ) )
-	{
-		lwi_measure_cached_pair( p->query, p->a, p->b, &p->memory->a_from_b, nearest, bound );
-	}
-	if ( !bound->done )
-	{
-		lwi_search( &p->query->search, p->a, p->b, &p->memory->a_from_b, bound );
-	}
-	if ( bound->upper < INFINITY )
-	{
-		*nearest = ( lwi_cached_pair ){ bound->current_pair, bound->triangle_a, bound->triangle_b, bound->upper, true };
-	}
+	lwi_search_remembered( p->query, p->a, p->b, &p->memory->a_from_b, &p->memory->nearest, bound );
 }
 
 /// The search itself, from the last one's front if there is one.

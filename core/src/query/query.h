@@ -160,6 +160,24 @@ static inline void lwi_measure_cached_pair( lw_query* query, const lw_shape* a, 
 	bound->floor = floor < bound->floor ? floor : bound->floor;
 }
 
+/// lwi_search() of bound->current_pair, after its nearest triangles of the last time, if they are remembered; remembers those of now.
+static inline void lwi_search_remembered( lw_query* query, const lw_shape* a, const lw_shape* b,
+	const lw_transform* a_from_b, lwi_cached_pair* cached, lwi_bound* bound )
+{
+	if ( cached->pair == bound->current_pair && lwi_memory_pays( a, b ) && lwi_cached_pair_pays( query, cached, bound ) )
+	{
+		lwi_measure_cached_pair( query, a, b, a_from_b, cached, bound );
+	}
+	if ( !bound->done )
+	{
+		lwi_search( &query->search, a, b, a_from_b, bound );
+	}
+	if ( bound->upper < INFINITY )
+	{
+		*cached = ( lwi_cached_pair ){ bound->current_pair, bound->triangle_a, bound->triangle_b, bound->upper, true };
+	}
+}
+
 /// As lw_query_create(), from numbers.
 lw_status lwi_query_create( const lw_query_def* def, const lwi_query_sizes* sizes, const lw_allocator* allocator,
 	lw_query** out_query );
