@@ -3,6 +3,7 @@
 //
 // leeway answers with certified intervals. A peer that has signed distances is asked at a tolerance of 1e-9 and at one of 1e-6; rows tell how often
 // its answer is outside of leeway's interval by more than OUTSIDE, and by how much. benchmarks/zoo/depth_coal.py tries who is wrong then.
+#include "peers/convex_body.hpp"
 #include "peers/peer_workloads.hpp"
 
 #include "support/provenance.hpp"
@@ -11,85 +12,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace
 {
 
 constexpr std::size_t GROUP = 20; ///< pairs are asked in groups: one takes as long as reading the clock
 constexpr double OUTSIDE = 1e-8;  ///< metres: rounding, and the tolerance of bodies of half a metre
-
-double uniform( std::mt19937_64& random, double low, double high )
-{
-	return low + ( high - low ) * static_cast<double>( random() >> 11 ) * 0x1p-53;
-}
-
-/// A body of one kind, for both sides.
-struct Body
-{
-	leeway::Shape shape;
-	Mesh mesh; ///< of a hull
-	PeerGeometry geometry{};
-};
-
-/// The hull of points on an ellipsoid: rings of a ball are all its corners.
-Mesh ballHull( std::mt19937_64& random )
-{
-	Mesh mesh;
-	const std::uint32_t rings = 5, sectors = 6;
-	const double size[3] = { uniform( random, 0.1, 0.5 ), uniform( random, 0.1, 0.5 ), uniform( random, 0.1, 0.5 ) };
-	mesh.vertices = { 0, 0, size[2], 0, 0, -size[2] };
-	for ( std::uint32_t i = 1; i < rings; ++i )
-	{
-		for ( std::uint32_t k = 0; k < sectors; ++k )
-		{
-			const double along = M_PI * i / rings, around = 2 * M_PI * k / sectors;
-			mesh.vertices.insert(
-			    mesh.vertices.end(), { size[0] * std::sin( along ) * std::cos( around ),
-			                             size[1] * std::sin( along ) * std::sin( around ), size[2] * std::cos( along ) } );
-		}
-	}
-	for ( std::uint32_t k = 0; k < sectors; ++k )
-	{
-		const std::uint32_t here = 2 + k, next = 2 + ( k + 1 ) % sectors, last = ( rings - 2 ) * sectors;
-		mesh.triangles.insert( mesh.triangles.end(), { 0, here, next, 1, next + last, here + last } );
-		for ( std::uint32_t i = 0; i + 2 < rings; ++i )
-		{
-			const std::uint32_t a = here + i * sectors, b = next + i * sectors;
-			mesh.triangles.insert( mesh.triangles.end(), { a, a + sectors, b, b, a + sectors, b + sectors } );
-		}
-	}
-	return mesh;
-}
-
-Body bodyOf( const std::string& kind, std::mt19937_64& random )
-{
-	static const std::map<std::string, lw_shape_type> types = { { "sphere", LW_SHAPE_SPHERE },
-	    { "capsule", LW_SHAPE_CAPSULE }, { "box", LW_SHAPE_BOX }, { "cylinder", LW_SHAPE_CYLINDER },
-	    { "cone", LW_SHAPE_CONE }, { "hull", LW_SHAPE_MESH } };
-	Body out;
-	out.geometry.type = types.at( kind );
-	if ( kind == "hull" )
-	{
-		out.mesh = ballHull( random );
-		out.shape = shapeOf( out.mesh, true );
-		out.geometry.vertices = out.mesh.vertices.data();
-		out.geometry.vertex_count = static_cast<std::uint32_t>( out.mesh.vertices.size() / 3 );
-		out.geometry.triangles = out.mesh.triangles.data();
-		out.geometry.triangle_count = static_cast<std::uint32_t>( out.mesh.triangles.size() / 3 );
-		out.geometry.convex = true;
-		return out;
-	}
-	const bool round = kind != "box";
-	out.geometry.dimensions[0] = uniform( random, 0.1, round ? 0.5 : 1 );
-	out.geometry.dimensions[1] = kind == "sphere" ? 0 : uniform( random, 0.1, 1 );
-	out.geometry.dimensions[2] = kind == "box" ? uniform( random, 0.1, 1 ) : 0;
-	lw_shape* shape = nullptr;
-	leeway::require(
-	    lw_shape_create_primitive( out.geometry.type, out.geometry.dimensions, nullptr, nullptr, &shape ), "a shape" );
-	out.shape = leeway::Shape::adopt( shape );
-	return out;
-}
 
 lw_transform randomPose( std::mt19937_64& random )
 {
@@ -135,7 +63,8 @@ public:
 		m_pairs.reserve( std::max<std::size_t>( 1, settings.states / GROUP ) * GROUP );
 		while ( m_pairs.size() < m_pairs.capacity() )
 		{
-			Pair pair{ bodyOf( kind_a, random ), bodyOf( kind_b, random ), randomPose( random ), randomPose( random ) };
+			Pair pair{ convexBody( kind_a, 1, random ), convexBody( kind_b, 1, random ), randomPose( random ),
+			    randomPose( random ) };
 			if ( overlaps( pair ) == overlap )
 			{
 				m_pairs.push_back( std::move( pair ) );
@@ -206,7 +135,7 @@ public:
 private:
 	struct Pair
 	{
-		Body a, b;
+		ConvexBody a, b;
 		lw_transform pose_a, pose_b;
 	};
 

@@ -133,6 +133,7 @@ void runPeerWorkloads( const PeersSettings& settings, const std::vector<PeerLibr
 	if ( wanted( 'G' ) && !own )
 	{
 		runConvex( settings, peers, report );
+		runCrowds( settings, peers, report );
 	}
 	const Models models =
 	    own ? ownModels( settings )

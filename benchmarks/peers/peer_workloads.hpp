@@ -37,6 +37,9 @@ void runNear( const PeersSettings& settings, const std::vector<Subject>& subject
 /// G: distances and depths of pairs of convex bodies.
 void runConvex( const PeersSettings& settings, const std::vector<PeerLibrary>& peers, PeerReport& out );
 
+/// G: all of many pairs of convex bodies at once, state by state.
+void runCrowds( const PeersSettings& settings, const std::vector<PeerLibrary>& peers, PeerReport& out );
+
 /// Robot and scene that are built and refined.
 struct Models
 {
