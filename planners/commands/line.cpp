@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // leeway plan --line, or with a request that has waypoints: a frame goes along lines and arcs.
-#include "leeway/lines/lines.hpp"
+#include "commands/line_task.hpp"
 #include "commands/driven_plan.hpp"
 #include "commands/limits_file.hpp"
+#include "leeway/motions/path_constraints.hpp"
 #include "motions/csv.hpp"
 #include "motions/json.hpp"
 #include "program/ends.hpp"
@@ -59,16 +60,7 @@ void refuseOthers( const PlanOptions& options )
 	{
 		wrong( "--out", "stands beside --line, whose motion has no straight edges", "give --trajectory FILE" );
 	}
-	requirePositive( "--line-tolerance", options.line.tolerance );
-	requirePositive( "--line-angle", options.line.angle );
-	if ( !( options.line.blend >= 0 && std::isfinite( options.line.blend ) ) )
-	{
-		wrong( "--line-blend", "is no radius", "give metres, 0 or more" );
-	}
-	if ( !( options.line.speed > 0 ) )
-	{
-		wrong( "--line-speed", "is no speed above 0", "give metres per second" );
-	}
+	requireLineNumbers( options.line );
 }
 
 void refuseBoth( const PlanOptions& options, const io::PathConstraints& path )
@@ -78,9 +70,10 @@ void refuseBoth( const PlanOptions& options, const io::PathConstraints& path )
 		wrong( options.line.poses.empty() ? "--line-frame" : "--line", "stands beside a request that has waypoints",
 		    "give one of them" );
 	}
-	if ( !path.empty() )
+	if ( !path.way && !path.empty() )
 	{
-		wrong( "--line", "stands beside a request with path_constraints", "remove it, or the request's path_constraints" );
+		wrong( "--line", "stands beside a request with path_constraints",
+		    "give its poses as the request's waypoints, or remove path_constraints" );
 	}
 }
 
@@ -129,38 +122,18 @@ void blendCorners( double radius, const std::vector<std::optional<double>>& own,
 	}
 }
 
-/// Where a link and a frame are named.
-struct NamedIn
-{
-	std::string file, link, frame;
-};
-
-void setFrames( const std::string& link, const std::string& frame, const NamedIn& in, const std::string& tip_text,
-    const io::Problem& problem, lines::Task& task )
-{
-	task.tip = io::findFrame( problem, link, in.file, in.link );
-	const lw_transform tip =
-	    tip_text.empty() ? lw_transform_identity() : poseOf( "--line-tip", numbersOf( "--line-tip", tip_text, 3, 7 ) );
-	task.tip.pose = lw_transform_multiply( &task.tip.pose, &tip );
-	task.base = io::findFrame( problem, frame, in.file, in.frame );
-}
-
 /// @param way of the request, in place of the options' poses; null: none
 /// @param request its file, for errors
 lines::Task taskOf(
     const LineOptions& line, const io::Problem& problem, const io::CartesianWay* way, const std::string& request )
 {
-	lines::Task task;
+	lines::Task task = commonTask( line );
 	std::string link;
 	std::vector<std::optional<double>> radii;
 	if ( way != nullptr )
 	{
-		setFrames( way->link, way->frame, { request, "link_name", "header.frame_id" }, line.tip, problem, task );
-		for ( const lw_transform& pose : way->poses )
-		{
-			task.waypoints.push_back( { pose } );
-			radii.emplace_back();
-		}
+		task = lines::taskOf( problem, *way, task, request );
+		radii.resize( task.waypoints.size() );
 	}
 	for ( const std::string& text : line.poses )
 	{
@@ -175,28 +148,24 @@ lines::Task taskOf(
 		if ( link.empty() )
 		{
 			link = name;
-			setFrames( link, line.frame, { "command line", option, "--line-frame" }, line.tip, problem, task );
+			io::Frame tip = io::findFrame( problem, link, "command line", option );
+			tip.pose = lw_transform_multiply( &tip.pose, &task.tip.pose );
+			task.tip = tip;
+			task.base = io::findFrame( problem, line.frame, "command line", "--line-frame" );
 		}
 		const lw_transform before = task.waypoints.empty() ? startPose( problem, task ) : task.waypoints.back().pose;
 		radii.emplace_back();
 		task.waypoints.push_back( waypointOf( option, text.substr( equals + 1 ), before, radii.back() ) );
 	}
-	if ( !line.free_axis.empty() )
-	{
-		const std::vector<double> axis = numbersOf( "--free-axis", line.free_axis, 3, 3 );
-		task.free_axis = lw_vec3{ axis[0], axis[1], axis[2] };
-	}
 	task.any_start = line.any_start;
 	blendCorners( line.blend, radii, task );
-	task.tolerance = line.tolerance;
-	task.angle = line.angle;
-	task.speed = way != nullptr && way->speed > 0 ? std::min( way->speed, line.speed ) : line.speed;
 	return task;
 }
 
 const char* nameOf( lines::Obstacle obstacle )
 {
-	static const char* const names[] = { "none", "unreachable", "joint limit", "singularity", "collision", "undecided" };
+	static const char* const names[] = {
+	    "none", "unreachable", "joint limit", "singularity", "collision", "undecided", "constraint" };
 	return names[static_cast<int>( obstacle )];
 }
 
@@ -221,10 +190,46 @@ std::string reportOf( const lines::Result& line, double seconds )
 	json["obstacle"] = { { "kind", nameOf( stop.obstacle ) }, { "part", stop.part }, { "fraction", stop.fraction },
 	    { "position", { stop.position.x, stop.position.y, stop.position.z } }, { "state", stop.q }, { "joint", stop.joint },
 	    { "pair", { stop.pair.first, stop.pair.second } } };
+	if ( stop.obstacle == lines::Obstacle::CONSTRAINT )
+	{
+		json["obstacle"]["constraint"] = stop.constraint;
+	}
 	return jsonText( json );
 }
 
 } // namespace
+
+lines::Task commonTask( const LineOptions& line )
+{
+	lines::Task task;
+	if ( !line.tip.empty() )
+	{
+		task.tip.pose = poseOf( "--line-tip", numbersOf( "--line-tip", line.tip, 3, 7 ) );
+	}
+	if ( !line.free_axis.empty() )
+	{
+		const std::vector<double> axis = numbersOf( "--free-axis", line.free_axis, 3, 3 );
+		task.free_axis = lw_vec3{ axis[0], axis[1], axis[2] };
+	}
+	task.tolerance = line.tolerance;
+	task.angle = line.angle;
+	task.speed = line.speed;
+	return task;
+}
+
+void requireLineNumbers( const LineOptions& line )
+{
+	requirePositive( "--line-tolerance", line.tolerance );
+	requirePositive( "--line-angle", line.angle );
+	if ( !( line.blend >= 0 && std::isfinite( line.blend ) ) )
+	{
+		wrong( "--line-blend", "is no radius", "give metres, 0 or more" );
+	}
+	if ( !( line.speed > 0 ) )
+	{
+		wrong( "--line-speed", "is no speed above 0", "give metres per second" );
+	}
+}
 
 int runLine( const PlanOptions& options )
 {
@@ -255,19 +260,29 @@ int runLine( const PlanOptions& options )
 	noteUsual( settings.limits, notices );
 	settings.seed = options.seed;
 	settings.attempts = options.line.attempts;
-	const lines::Task task = taskOf( options.line, problem, path.way ? &*path.way : nullptr, options.common.request );
+	lines::Task task = taskOf( options.line, problem, path.way ? &*path.way : nullptr, options.common.request );
+	task.path = path;
 	const double begin = now();
 	const lines::Result line = lines::planLines( input.robot, problem, task, settings );
 	const std::string report = reportOf( line, now() - begin );
 	std::string text = lines::describe( problem, line );
 	std::vector<std::string> notes = { text };
+	bool kept = true;
 	if ( line.solved )
 	{
-		driven.drive( problem, input, line.segments, limits, "the line" );
-		text += driven.told();
+		const std::vector<Segment>& segments = driven.drive( problem, input, line.segments, limits, "the line" );
+		const std::vector<ConstraintProof> proofs = proveConstraints( problem, path, segments, {} );
+		text += driven.told() + motions::describe( proofs );
+		kept = areKept( proofs );
+		for ( const ConstraintProof& proof : proofs )
+		{
+			notes.push_back( motions::describe( proof ) );
+		}
 	}
-	return driven.finish( problem, input, line.solved && driven.isProved(), text, report,
-	    "it proves clearances; that the frame stays on its lines is no part of it", notes );
+	return driven.finish( problem, input, line.solved && kept && driven.isProved(), text, report,
+	    path.empty() ? "it proves clearances; that the frame stays on its lines is no part of it"
+	                 : "it proves clearances; that the frame stays on its lines, and path_constraints, are no part of it",
+	    notes );
 }
 
 } // namespace leeway::cli

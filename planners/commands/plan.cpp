@@ -707,7 +707,7 @@ Audit auditSolution(
 	return audit;
 }
 
-/// The request's constraints along the path, or its waypoints.
+/// The request's constraints along the path, or its waypoints, or its motions.
 io::PathConstraints alongPath( const PlanOptions& options )
 {
 	io::PathConstraints path;
@@ -720,6 +720,10 @@ io::PathConstraints alongPath( const PlanOptions& options )
 int runPlan( const PlanOptions& options )
 {
 	const io::PathConstraints path = alongPath( options );
+	if ( !path.items.empty() )
+	{
+		return runSequence( options );
+	}
 	if ( path.way || !path.empty() )
 	{
 		return path.way ? runLine( options ) : runConstrainedPlan( options );

@@ -317,6 +317,11 @@ int runTrajectoryAudit( const AuditOptions& options )
 	ViewFile view( options.view );
 	io::PathConstraints path;
 	const Input input = loadInput( options.common, notices, &path );
+	if ( !path.items.empty() )
+	{
+		throw io::Error( path.file, "items", "are a sequence, and no trajectory says where its motions begin",
+		    "give the request of one motion" );
+	}
 	note( settings.limits, options.joint_limits, input.robot, notices );
 	settings.edge.min_d = options.common.min_d;
 	settings.edge.flags = options.common.checkFlags();

@@ -2,6 +2,8 @@
 // A cubic whose ends are on the reference and go along it leaves it by the fourth power of its length: few are needed, and each is proved.
 #include "lines/fit.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -20,9 +22,9 @@ std::vector<double> toVector( const State& q )
 
 } // namespace
 
-Fit::Fit( Follower& follower, const io::Problem& problem, const Settings& settings, lw_query* query )
+Fit::Fit( Follower& follower, const io::Problem& problem, const Task& task, const Settings& settings, lw_query* query )
     : m_follower( follower ), m_problem( problem ), m_settings( settings ), m_query( query ),
-      m_rest( follower.variables(), 0.0 )
+      m_constraints( problem, task.path ), m_rest( follower.variables(), 0.0 )
 {
 	for ( std::uint32_t i = 0; i < follower.variables(); ++i )
 	{
@@ -206,6 +208,34 @@ bool Fit::isClear( const Leg& leg, const Piece& piece )
 	return false;
 }
 
+/// The constraints along the path.
+bool Fit::isKept( const Leg& leg, const Piece& piece )
+{
+	const motions::Segment segment = { 0, 1, 3, piece.points };
+	if ( m_constraints.areKept( segment ) )
+	{
+		return true;
+	}
+	double time = 0;
+	std::string text;
+	for ( const motions::ConstraintProof& proof : m_constraints.prove( { segment }, {} ) )
+	{
+		if ( text.empty() && proof.verdict != LW_VERDICT_FREE )
+		{
+			time = std::clamp( proof.time, 0.0, 1.0 );
+			text = fmt::format( "{}: {} is {} by {:.3g}", proof.element, proof.error,
+			    proof.verdict == LW_VERDICT_BLOCKED ? "beyond its limit" : "too near to its limit for a proof, beyond",
+			    proof.excess );
+		}
+	}
+	const std::vector<double> there = motions::stateAt( { segment }, time );
+	const auto place = piece.from + static_cast<std::uint32_t>( std::lround( time * ( piece.to - piece.from ) ) );
+	const State q = Eigen::Map<const State>( there.data(), static_cast<Eigen::Index>( there.size() ) );
+	fail( leg, Obstacle::CONSTRAINT, place, q, SIZE_MAX );
+	m_stop.constraint = text;
+	return false;
+}
+
 /// The cubic between two states, or two of its halves, from the left.
 bool Fit::prove( const Leg& leg, const Knot& a, const Knot& b, std::vector<Piece>& out )
 {
@@ -229,7 +259,7 @@ bool Fit::prove( const Leg& leg, const Knot& a, const Knot& b, std::vector<Piece
 	if ( beyond < 0 && isNear( leg, piece ) )
 	{
 		out.push_back( piece );
-		return isClear( leg, piece );
+		return isClear( leg, piece ) && isKept( leg, piece );
 	}
 	if ( b.place - a.place < 2 )
 	{

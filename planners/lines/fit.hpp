@@ -2,6 +2,7 @@
 // One attempt at one run: states on its references, then cubics between them that are proved.
 #pragma once
 
+#include "leeway/motions/path_constraints.hpp"
 #include "lines/follower.hpp"
 
 namespace leeway::lines
@@ -26,7 +27,8 @@ struct Piece
 class Fit
 {
 public:
-	Fit( Follower& follower, const io::Problem& problem, const Settings& settings, lw_query* query );
+	/// @throws io::Error as motions::BoundConstraints
+	Fit( Follower& follower, const io::Problem& problem, const Task& task, const Settings& settings, lw_query* query );
 
 	/// Follows a run from q, which is on it, and moves q to its end. @param out pieces appended
 	/// @return false: stop() says why
@@ -45,12 +47,14 @@ private:
 	bool isNear( const Leg& leg, Piece& piece );
 	bool isWithin( const Leg& leg, lw_region* region, const Course& course, Piece& piece );
 	bool isClear( const Leg& leg, const Piece& piece );
+	bool isKept( const Leg& leg, const Piece& piece );
 	bool fail( const Leg& leg, Obstacle obstacle, std::uint32_t place, const State& q, std::size_t variable );
 
 	Follower& m_follower;
 	const io::Problem& m_problem;
 	const Settings& m_settings;
 	lw_query* m_query;
+	const motions::BoundConstraints m_constraints;
 	std::vector<Knot> m_knots;
 	std::vector<std::uint32_t> m_variables;
 	std::vector<double> m_rest;

@@ -45,7 +45,7 @@ class Planning
 public:
 	Planning( const io::RobotModel& robot, const io::Problem& problem, const Task& task, const Settings& settings )
 	    : m_problem( problem ), m_task( task ), m_settings( settings ), m_follower( robot, problem, task ),
-	      m_query( makeQuery( problem.checker.get() ) ), m_fit( m_follower, problem, settings, m_query.get() ),
+	      m_query( makeQuery( problem.checker.get() ) ), m_fit( m_follower, problem, task, settings, m_query.get() ),
 	      m_random( settings.seed )
 	{
 		const std::vector<double> start = task.start.empty() ? io::startState( problem ) : task.start;
@@ -57,7 +57,8 @@ public:
 	{
 		const bool one_way = !m_task.any_start && !isRedundant();
 		const auto most = [&] { return m_no_end ? std::min( few_attempts, m_settings.attempts ) : m_settings.attempts; };
-		while ( !m_result.solved && m_result.attempts < ( one_way ? 1 : most() ) && attempt() )
+		const auto isStopped = [&] { return m_settings.stop && m_settings.stop(); };
+		while ( !m_result.solved && m_result.attempts < ( one_way ? 1 : most() ) && !isStopped() && attempt() )
 		{
 		}
 		m_result.windows = m_fit.windows();
@@ -325,6 +326,21 @@ Result planLines( const io::RobotModel& robot, const io::Problem& problem, const
 {
 	check( task, problem.variables.size() );
 	return Planning( robot, problem, task, settings ).run();
+}
+
+Task taskOf( const io::Problem& problem, const io::CartesianWay& way, const Task& with, const std::string& file,
+    const std::string& element )
+{
+	Task task = with;
+	task.tip = io::findFrame( problem, way.link, file, element + "link_name" );
+	task.tip.pose = lw_transform_multiply( &task.tip.pose, &with.tip.pose );
+	task.base = io::findFrame( problem, way.frame, file, element + "header.frame_id" );
+	for ( const lw_transform& pose : way.poses )
+	{
+		task.waypoints.push_back( { pose } );
+	}
+	task.speed = way.speed > 0 ? std::min( way.speed, with.speed ) : with.speed;
+	return task;
 }
 
 } // namespace leeway::lines

@@ -33,6 +33,8 @@ std::string reasonOf( const Stop& stop )
 		return stop.pair.first.empty() ? std::string( "the tolerance is too small for a proof" )
 		                               : fmt::format( "{}: their clearance, {:.4g} m, is too near to --min-d for a proof",
 		                                     pairOf( stop ), stop.pair.least() );
+	case Obstacle::CONSTRAINT:
+		return stop.constraint;
 	case Obstacle::NONE:
 		break;
 	}

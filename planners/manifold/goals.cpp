@@ -68,7 +68,7 @@ std::vector<std::vector<double>> constrainedGoals( const io::RobotModel& robot, 
 	const std::string problem_text =
 	    broken.empty() ? found.problem : "the goal breaks the constraints along the path: " + broken.front();
 	throw io::Error( request.goal_file.empty() ? request.file : request.goal_file,
-	    request.goal_element + " with path_constraints", problem_text,
+	    request.goal_element + ( path.empty() ? "" : " with path_constraints" ), problem_text,
 	    request.hasPoseGoal() ? found.remedy : "choose another goal, or widen path_constraints" );
 }
 

@@ -249,7 +249,8 @@ private:
 
 	bool isOver() const
 	{
-		return m_clock.seconds() > m_settings.seconds || m_trees[0].size() + m_trees[1].size() > m_settings.most_nodes;
+		return m_clock.seconds() > m_settings.seconds || m_trees[0].size() + m_trees[1].size() > m_settings.most_nodes ||
+		       ( m_settings.stop && m_settings.stop() );
 	}
 
 	/// Grows a tree towards a state. @return true: it is reached. @param node the new one, or that from which nothing was proved
@@ -325,7 +326,7 @@ private:
 	/// Motions between random states of the path take the place of longer ones.
 	void shorten( std::vector<Piece>& path )
 	{
-		for ( unsigned i = 0; i < m_settings.shortcuts && m_clock.seconds() < m_settings.seconds; ++i )
+		for ( unsigned i = 0; i < m_settings.shortcuts && !isOver(); ++i )
 		{
 			const double n = static_cast<double>( path.size() );
 			double from = m_random.between( 0, n ), to = m_random.between( 0, n );

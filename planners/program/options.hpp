@@ -284,6 +284,7 @@ int runEdge( const EdgeCommandOptions& options );
 int runPlan( const PlanOptions& options );
 int runLine( const PlanOptions& options );
 int runConstrainedPlan( const PlanOptions& options );
+int runSequence( const PlanOptions& options );
 int runAudit( const AuditOptions& options );
 int runTrajectoryAudit( const AuditOptions& options );
 int runReferee( const RefereeOptions& options );

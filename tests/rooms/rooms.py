@@ -67,6 +67,7 @@ HOUSES = [
         ("motions", "the library leeway::motions: files of paths and trajectories, roundings, audits with limits"),
         ("lines", "the library leeway::lines: lines and arcs of a frame as trajectories that are proved to stay on them"),
         ("manifold", "the library leeway::manifold: plans that keep constraints along the path, proved at all times"),
+        ("sequence", "the library leeway::sequence: motions to goals and lines one after the other, planned together"),
         ("referee", "verdicts on paths, trajectories and regions of other planners; their files"),
         ("replay", "recorded drives before the guard: their files, answers and reports"),
         ("pairs", "the library leeway::pairs: tables of link pairs, the SRDF made from them; reports on links and obstacles"),

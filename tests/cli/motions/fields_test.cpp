@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <set>
 
@@ -31,6 +32,8 @@ enum class Base
 	goal,
 	request,
 	poses, ///< a request with a goal in space
+	way,   ///< a request with waypoints
+	items, ///< a sequence of two ways
 	scene,
 	part ///< a scene for a group of some joints
 };
@@ -155,6 +158,27 @@ const Row rows[] = {
     { "MotionPlanRequest", "cartesian_speed_limited_link", Use::noticed, Base::request, "/cartesian_speed_limited_link",
         "\"tool\"" },
     { "MotionPlanRequest", "max_cartesian_speed", Use::noticed, Base::request, "/max_cartesian_speed", "0.3" },
+    { "GetCartesianPath", "start_state", Use::used, Base::way, "/start_state/joint_state/position", "[-0.9, 1]" },
+    { "GetCartesianPath", "waypoints", Use::used, Base::way, "/waypoints/1/position/0", "0.55" },
+    { "GetCartesianPath", "path_constraints", Use::used, Base::way, "/path_constraints",
+        R"({"joint_constraints": [{"joint_name": "elbow", "position": 1, "tolerance_above": 0.1, "tolerance_below": 0.1}]})" },
+    { "GetCartesianPath", "group_name", Use::used, Base::way, "/group_name", "\"shoulder_only\"" },
+    { "GetCartesianPath", "link_name", Use::used, Base::way, "/link_name", "\"nowhere\"" },
+    { "GetCartesianPath", "header", Use::used, Base::way, "/header/frame_id", "\"nowhere\"" },
+    { "GetCartesianPath", "max_cartesian_speed", Use::used, Base::way, "/max_cartesian_speed", "0.01" },
+    { "GetCartesianPath", "avoid_collisions", Use::used, Base::way, "/avoid_collisions", "false" },
+    { "GetCartesianPath", "max_step", Use::noticed, Base::way, "/max_step", "0.01" },
+    { "GetCartesianPath", "jump_threshold", Use::noticed, Base::way, "/jump_threshold", "2" },
+    { "GetCartesianPath", "prismatic_jump_threshold", Use::noticed, Base::way, "/prismatic_jump_threshold", "2" },
+    { "GetCartesianPath", "revolute_jump_threshold", Use::noticed, Base::way, "/revolute_jump_threshold", "2" },
+    { "GetCartesianPath", "cartesian_speed_limited_link", Use::noticed, Base::way, "/cartesian_speed_limited_link",
+        "\"tool\"" },
+    { "GetCartesianPath", "max_velocity_scaling_factor", Use::silent, Base::way, "/max_velocity_scaling_factor", "0.3" },
+    { "GetCartesianPath", "max_acceleration_scaling_factor", Use::silent, Base::way, "/max_acceleration_scaling_factor",
+        "0.3" },
+    { "MotionSequenceRequest", "items", Use::used, Base::items, "/items", "[]" },
+    { "MotionSequenceItem", "req", Use::used, Base::items, "/items/1/req/waypoints/0/position/0", "0.55" },
+    { "MotionSequenceItem", "blend_radius", Use::used, Base::items, "/items/0/blend_radius", "0.02" },
     { "Constraints", "name", Use::silent, Base::request, GOAL "/name", "\"there\"" },
     { "Constraints", "joint_constraints", Use::used, Base::request, GOAL "/joint_constraints/0/position", "0.9" },
     { "Constraints", "position_constraints", Use::used, Base::poses, GOAL "/position_constraints", "[]" },
@@ -320,8 +344,22 @@ Json baseOf( Base base )
 	Json request = Json::parse(
 	    R"({"group_name": "arm", "start_state": {"joint_state": {"name": ["shoulder", "elbow"], "position": [-1, 0]}},
 		"goal_constraints": [{"joint_constraints": [{"joint_name": "shoulder", "position": 1}, {"joint_name": "elbow", "position": 0}]}], "allowed_planning_time": 30})" );
+	Json way = request;
+	way.erase( "goal_constraints" );
+	way.erase( "allowed_planning_time" );
+	way["start_state"]["joint_state"]["position"] = { -1, 1 };
+	way["link_name"] = "tool";
+	way["header"]["frame_id"] = "base";
+	way["waypoints"] = Json::parse( R"([{"position": [0.6, -0.1, 0]}, {"position": [0.6, 0.1, 0]}])" );
 	switch ( base )
 	{
+	case Base::way:
+		return way;
+	case Base::items:
+	{
+		Json next = { { "link_name", "tool" }, { "waypoints", Json::parse( R"([{"position": [0.5, 0.1, 0]}])" ) } };
+		return { { "items", { { { "req", way }, { "blend_radius", 0 } }, { { "req", next }, { "blend_radius", 0 } } } } };
+	}
 	case Base::trajectory:
 		return trajectory();
 	case Base::display:
@@ -383,6 +421,13 @@ protected:
 			    base == Base::request ? file["scene"].dump() : std::string( R"({"world": {"collision_objects": []}})" ) );
 			arguments = { "plan", "--robot", "arm.urdf", "--srdf", "arm.srdf", "--scene", "s.json", "--request", "f.json",
 			    "--planner", "Leeway", "--no-cache", "--out", answer };
+		}
+		else if ( base == Base::way || base == Base::items )
+		{
+			answer = "way.json";
+			std::filesystem::remove( path( answer ) );
+			arguments = { "plan", "--robot", "arm.urdf", "--srdf", "arm.srdf", "--scene", "scene.yaml", "--request",
+			    "f.json", "--free-axis", "0,0,1", "--no-cache", "--trajectory", answer };
 		}
 		else if ( base == Base::scene || base == Base::part )
 		{
@@ -535,6 +580,11 @@ TEST_F( CliFields, OfMotionsAreUsedNoticedOrRefusedAsTheTableSays )
 TEST_F( CliFields, OfRequestsAreUsedNoticedOrRefusedAsTheTableSays )
 {
 	walk( { Base::request, Base::poses } );
+}
+
+TEST_F( CliFields, OfWaysAreUsedNoticedOrRefusedAsTheTableSays )
+{
+	walk( { Base::way, Base::items } );
 }
 
 TEST_F( CliFields, OfScenesAreUsedNoticedOrRefusedAsTheTableSays )

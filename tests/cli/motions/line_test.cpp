@@ -187,8 +187,6 @@ TEST_F( CliLine, WaypointsOfARequestAreLeftOut )
 		std::string request, words;
 		std::vector<std::string> more;
 	} cases[] = {
-	    { start + waypoints + "path_constraints: {joint_constraints: [{joint_name: elbow, position: 0}]}\n",
-	        "beside waypoints", {} },
 	    { start + waypoints + "goal_constraints: [{joint_constraints: [{joint_name: elbow, position: 0}]}]\n",
 	        "beside waypoints", {} },
 	    { start + waypoints + "avoid_collisions: false\n", "always proved free", {} },
@@ -206,4 +204,99 @@ TEST_F( CliLine, WaypointsOfARequestAreLeftOut )
 	write( "s.csv", "shoulder,elbow\n0,0\n" );
 	const Outcome check = runModel( "check", { "--request", "way.yaml", "--states", "s.csv" } );
 	EXPECT_TRUE( contains( check.err, "give them to `leeway plan`" ) ) << check.err;
+}
+
+TEST_F( CliLine, WaypointsBreakTheConstraintsAlongTheirWay )
+{
+	const auto plan = [&]( const char* tolerances )
+	{
+		write( "way.yaml",
+		    std::string( "group_name: arm\nstart_state: {joint_state: {name: [shoulder, elbow], position: [-1, 1]}}\n"
+		                 "link_name: tool\nwaypoints: [{position: [0.6, -0.1, 0]}, {position: [0.6, 0.1, 0]}]\n"
+		                 "path_constraints: {joint_constraints: [{joint_name: elbow, position: 1.2, " ) +
+		        tolerances + "}]}\n" );
+		return runModel( "plan",
+		    { "--request", "way.yaml", "--trajectory", "way.json", "--free-axis", "0,0,1", "--report", "report.json" } );
+	};
+	const Outcome kept = plan( "tolerance_above: 0.3, tolerance_below: 0.3" ); // the way needs 1 to 1.446
+	ASSERT_EQ( kept.status, 0 ) << kept.err;
+	EXPECT_TRUE( contains( kept.out, "elbow" ) ) << kept.out;
+	EXPECT_EQ( 0, runModel( "audit", { "--trajectory", "way.json" } ).status );
+	const Outcome broken = plan( "tolerance_above: 0.22, tolerance_below: 0.3" ); // broken in the second part alone
+	EXPECT_EQ( broken.status, 1 );
+	EXPECT_TRUE( contains( broken.err, "part 2" ) && contains( broken.err, "elbow" ) ) << broken.err;
+	const auto report = nlohmann::json::parse( readFile( path( "report.json" ) ) );
+	EXPECT_EQ( "constraint", report["obstacle"]["kind"] );
+	EXPECT_TRUE( contains( report["obstacle"]["constraint"], "elbow" ) );
+}
+
+TEST_F( CliLine, ItemsOfASequenceArePlannedOneByOne )
+{
+	const std::string start = "start_state: {joint_state: {name: [shoulder, elbow], position: [-1, 1]}}";
+	const std::string goal =
+	    "goal_constraints: [{position_constraints: [{link_name: tool, constraint_region: {primitives: [{type: "
+	    "sphere, dimensions: [0.001]}], primitive_poses: [{position: [0.6, -0.1, 0]}]}}]}]";
+	const std::string line = "link_name: tool, waypoints: [{position: [0.6, 0.1, 0]}]";
+	const std::string back = "link_name: tool, waypoints: [{position: [0.5, 0.1, 0]}]";
+	const auto plan = [&]( const std::string& items, std::vector<std::string> more = {}, const char* scene = "scene.yaml" )
+	{
+		write( "q.yaml", "items:\n" + items );
+		more.insert(
+		    more.end(), { "--group", "arm", "--request", "q.yaml", "--trajectory", "q.json", "--free-axis", "0,0,1" } );
+		return runModel( "plan", more, scene );
+	};
+	const auto item = []( const std::string& request, const std::string& blend = "0" )
+	{ return "  - {req: {" + request + "}, blend_radius: " + blend + "}\n"; };
+	const std::string all = item( start + ", " + goal ) + item( line, "0.02" ) + item( back );
+	const Outcome whole = plan( all, { "--report", "report.json", "--certificate", "q.lwc" } );
+	ASSERT_EQ( whole.status, 0 ) << whole.err;
+	EXPECT_TRUE( contains( whole.out, "3 leg(s)" ) && contains( whole.out, "leg 3:" ) ) << whole.out;
+	EXPECT_EQ( 0, runModel( "audit", { "--trajectory", "q.json" } ).status );
+	EXPECT_FALSE( readFile( path( "q.lwc" ) ).empty() );
+	const auto report = nlohmann::json::parse( readFile( path( "report.json" ) ) );
+	ASSERT_EQ( 3u, report["legs"].size() );
+	EXPECT_NEAR( report["legs"][1]["begin"].get<double>(), report["legs"][0]["seconds"].get<double>(), 1e-8 );
+	const auto file = nlohmann::json::parse( readFile( path( "q.json" ) ) );
+	const auto& points = file["joint_trajectory"]["points"];
+	int rests = 0;
+	for ( const auto& point : points )
+	{
+		rests += point["velocities"][0].get<double>() == 0 && point["velocities"][1].get<double>() == 0 ? 1 : 0;
+	}
+	EXPECT_GE( 4, rests ); // at the ends, before the first line, perhaps at a corner of the first motion; not at the blend
+	const auto q = points.back()["positions"].get<std::vector<double>>();
+	EXPECT_NEAR( 0.1, 0.4 * std::sin( q[0] ) + 0.4 * std::sin( q[0] + q[1] ), 1e-9 );
+	// The post stands in the way of the second leg
+	const Outcome blocked = plan( all, { "--report", "report.json" }, "blocked.yaml" );
+	EXPECT_EQ( blocked.status, 1 );
+	EXPECT_TRUE( contains( blocked.err, "leg 2 is not found" ) && contains( blocked.err, "post" ) ) << blocked.err;
+	EXPECT_EQ( 2, nlohmann::json::parse( readFile( path( "report.json" ) ) )["failed_leg"] );
+	const struct
+	{
+		std::string items, words;
+		std::vector<std::string> more;
+	} cases[] = {
+	    { item( start + ", " + goal, "0.1" ) + item( line ), "items[0]", {} },
+	    { item( start + ", " + goal ) + item( line, "0.1" ), "behind the last motion", {} },
+	    { item( start + ", " + goal ) + item( start + ", " + line ), "starts where items[0] ends", {} },
+	    { item( goal ) + item( line ), "start_state", {} },
+	    { item( start + ", " + goal ) + item( goal + ", group_name: legs" ) + item( goal + ", group_name: arm" ),
+	        "plan one group", {} },
+	    { item( start + ", planner_id: LIN, " + goal ), "give waypoints", {} },
+	    { item( start + ", " + goal ) + item( "link_name: palm, waypoints: [{position: [0.6, 0, 0]}]" ),
+	        "items[1].req.link_name", {} },
+	    { "  []\n", "give one motion", {} },
+	    { "  - {req: {" + start + ", " + goal + "}, blend: 0}\n", "blend", {} },
+	    { all, "--goal", { "--goal", "shoulder=0" } },
+	    { all, "--planner", { "--planner", "SBL" } },
+	    { all, "--line-blend", { "--line-blend", "0.1" } },
+	};
+	for ( const auto& wrong : cases )
+	{
+		const Outcome outcome = plan( wrong.items, wrong.more );
+		EXPECT_EQ( outcome.status, 2 ) << wrong.words;
+		EXPECT_TRUE( contains( outcome.err, wrong.words ) ) << "lacks '" << wrong.words << "': " << outcome.err;
+	}
+	const Outcome audit = runModel( "audit", { "--trajectory", "q.json", "--request", "q.yaml" } );
+	EXPECT_EQ( audit.status, 2 ) << audit.out;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Constraints along the path of a motion plan request (moveit_msgs/MotionPlanRequest.path_constraints), for callers that prove them.
+// What a motion plan request says of its path, for callers that prove it: constraints (moveit_msgs/MotionPlanRequest.path_constraints), waypoints, and
+// sequences of requests (moveit_msgs/MotionSequenceRequest).
 #pragma once
 
 #include "leeway/io/model.hpp"
@@ -19,6 +20,8 @@ struct CartesianWay
 	double speed = 0;                ///< metres per second at most; 0: none is given
 };
 
+struct SequenceItem;
+
 /// All of them hold at all times.
 struct PathConstraints
 {
@@ -27,11 +30,22 @@ struct PathConstraints
 	std::vector<PositionGoal> positions;
 	std::vector<OrientationGoal> orientations;
 	bool empty() const { return joints.empty() && positions.empty() && orientations.empty(); }
-	std::optional<CartesianWay> way = std::nullopt; ///< in place of a goal, then without constraints
+	std::optional<CartesianWay> way = std::nullopt; ///< in place of a goal
+	std::vector<SequenceItem> items;                ///< of a sequence, in place of all else
+};
+
+/// One motion of a sequence.
+struct SequenceItem
+{
+	Request request;         ///< of items behind the first: without a start, which is where the item before ends
+	PathConstraints path;    ///< without items
+	double blend_radius = 0; ///< metres, 0 or more, of the last item 0
+	std::string element;     ///< its place in the file, for errors: "items[1]"
 };
 
 /// loadRequest() of a file whose constraints along the path are no error: they are read into `path`. Visibility constraints stay an Error.
-/// `waypoints` are read too; such a request has no goal.
+/// `waypoints` are read too; such a request has no goal. `items` of a sequence are read into `path.items`: the request then has start and group of the
+/// first, the sum of all times, and no goal.
 /// @throws Error
 Request loadConstrainedRequest( const std::string& file, PathConstraints& path );
 

@@ -131,9 +131,6 @@ CartesianWay readWay( const YamlNode& root )
 	{
 		root["goal_constraints"].fail( "stand beside waypoints", "remove one of them" );
 	}
-	refuseConstraints( root["path_constraints"],
-	    { "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints" },
-	    "remove it from path_constraints: it stands beside waypoints" );
 	const YamlNode avoids = root["avoid_collisions"];
 	if ( avoids.defined() && !avoids.boolean() )
 	{
@@ -162,22 +159,40 @@ CartesianWay readWay( const YamlNode& root )
 	return way;
 }
 
-/// @param path null: constraints along the path are an error
-Request readRequest( const std::string& file, std::string text, PathConstraints* path )
+/// A request's start state, as far as it has one.
+void readStart( const YamlNode& root, Request& request )
 {
-	Request request;
-	request.file = file;
-	YamlNode root = YamlNode::parse( file, std::move( text ), request.notices );
-	if ( !root["goal_constraints"].defined() && ( root["world"].defined() || root["robot_state"].defined() ) )
+	const YamlNode start = root["start_state"];
+	if ( !start.defined() )
 	{
-		throw Error( file, "goal_constraints", "this is a planning scene, not a request",
-		    "give a file with start_state and goal_constraints" );
+		start.fail( "is missing", "add start_state with a joint_state" );
 	}
-	if ( root["leeway_world"].defined() )
+	if ( start["attached_collision_objects"].size() > 0 )
 	{
-		throw Error( file, "leeway_world", "this is a world file, not a request",
-		    "give a file with start_state and goal_constraints" );
+		start["attached_collision_objects"].fail(
+		    "attached objects are not read from requests", "put them into robot_state of the planning scene" );
 	}
+	start.noticeUnknownKeys( { "joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff" } );
+	start.noticeUnused( { "is_diff" }, "joints that are not named stand at zero" );
+	request.start = detail::readJointState( start );
+}
+
+/// @param index of an item that is not the first: it starts where the one before ends
+void refuseStart( const YamlNode& start, std::size_t index )
+{
+	for ( const char* kind : { "joint_state", "multi_dof_joint_state", "attached_collision_objects" } )
+	{
+		const YamlNode part = start[kind];
+		if ( ( part.isList() && part.size() > 0 ) || part["name"].size() + part["joint_names"].size() > 0 )
+		{
+			part.fail( fmt::format( "is a start, and this motion starts where items[{}] ends", index - 1 ), "remove it" );
+		}
+	}
+}
+
+/// @param path null: constraints along the path are an error @param index in a sequence
+void readMotion( const YamlNode& root, Request& request, PathConstraints* path, std::size_t index )
+{
 	root.noticeUnknownKeys( { "workspace_parameters", "start_state", "goal_constraints", "path_constraints",
 	    "trajectory_constraints", "reference_trajectories", "pipeline_id", "planner_id", "group_name",
 	    "num_planning_attempts", "allowed_planning_time", "max_velocity_scaling_factor", "max_acceleration_scaling_factor",
@@ -199,23 +214,11 @@ Request readRequest( const std::string& file, std::string text, PathConstraints*
 	{
 		time.fail( "is below 0", "give seconds, or leave it out" );
 	}
-	YamlNode start = root["start_state"];
-	if ( !start.defined() )
-	{
-		start.fail( "is missing", "add start_state with a joint_state" );
-	}
-	if ( start["attached_collision_objects"].size() > 0 )
-	{
-		start["attached_collision_objects"].fail(
-		    "attached objects are not read from requests", "put them into robot_state of the planning scene" );
-	}
-	start.noticeUnknownKeys( { "joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff" } );
-	start.noticeUnused( { "is_diff" }, "joints that are not named stand at zero" );
-	request.start = detail::readJointState( start );
+	index == 0 ? readStart( root, request ) : refuseStart( root["start_state"], index );
 	if ( path != nullptr )
 	{
 		*path = readPathConstraints( root["path_constraints"] );
-		path->file = file;
+		path->file = request.file;
 	}
 	else
 	{
@@ -229,6 +232,86 @@ Request readRequest( const std::string& file, std::string text, PathConstraints*
 		root["waypoints"].fail( "are a Cartesian way, which this command does not take", "give them to `leeway plan`" );
 	}
 	has_way ? static_cast<void>( path->way = readWay( root ) ) : readGoal( root, request );
+}
+
+SequenceItem readItem( const YamlNode& node, std::size_t index, bool last, const std::string& file )
+{
+	node.refuseUnknownKeys( { "req", "blend_radius" } );
+	const YamlNode req = node["req"], blend = node["blend_radius"];
+	if ( !req.defined() )
+	{
+		req.fail( "is missing", "add the motion's request" );
+	}
+	SequenceItem item;
+	item.element = fmt::format( "items[{}]", index );
+	item.request.file = file;
+	item.request.goal_element = item.element + ".req.goal_constraints[0]";
+	readMotion( req, item.request, &item.path, index );
+	// Pilz's planners decide on the shape of the motion
+	if ( item.request.planner_id == "LIN" || item.request.planner_id == "CIRC" )
+	{
+		req["planner_id"].fail( "is " + item.request.planner_id + ", a shape of the way that goals do not have here",
+		    "give waypoints and link_name in place of goal_constraints, or remove it" );
+	}
+	item.blend_radius = blend.defined() ? blend.number() : 0;
+	if ( item.blend_radius < 0 || ( last && item.blend_radius > 0 ) )
+	{
+		blend.fail( last ? "is a radius behind the last motion" : "is below 0", "give 0" );
+	}
+	return item;
+}
+
+/// Start and group of the first item, and all items.
+void readSequence( const YamlNode& root, Request& request, PathConstraints& path )
+{
+	root.refuseUnknownKeys( { "items" } );
+	const YamlNode items = root["items"];
+	if ( items.size() == 0 )
+	{
+		items.fail( "there is none", "give one motion or more" );
+	}
+	path = {};
+	path.file = request.file;
+	for ( std::size_t i = 0; i < items.size(); ++i )
+	{
+		path.items.push_back( readItem( items[i], i, i + 1 == items.size(), request.file ) );
+		const Request& of_item = path.items.back().request;
+		request.allowed_planning_time += of_item.allowed_planning_time;
+		if ( !of_item.group.empty() && !request.group.empty() && of_item.group != request.group )
+		{
+			items[i]["req"]["group_name"].fail(
+			    fmt::format( "is {}, and a motion before is of {}", of_item.group, request.group ), "plan one group" );
+		}
+		request.group = request.group.empty() ? of_item.group : request.group;
+	}
+	request.start = path.items.front().request.start;
+}
+
+/// @param path null: constraints along the path are an error
+Request readRequest( const std::string& file, std::string text, PathConstraints* path )
+{
+	Request request;
+	request.file = file;
+	YamlNode root = YamlNode::parse( file, std::move( text ), request.notices );
+	const bool has_goal = root["goal_constraints"].defined();
+	if ( !has_goal && ( root["world"].defined() || root["robot_state"].defined() ) )
+	{
+		throw Error( file, "goal_constraints", "this is a planning scene, not a request",
+		    "give a file with start_state and goal_constraints" );
+	}
+	if ( root["leeway_world"].defined() )
+	{
+		throw Error( file, "leeway_world", "this is a world file, not a request",
+		    "give a file with start_state and goal_constraints" );
+	}
+	if ( !has_goal && root["items"].defined() )
+	{
+		path == nullptr
+		    ? root["items"].fail( "are a sequence, which this command does not take", "give it to `leeway plan`" )
+		    : readSequence( root, request, *path );
+		return request;
+	}
+	readMotion( root, request, path, 0 );
 	return request;
 }
 

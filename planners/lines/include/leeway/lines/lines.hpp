@@ -14,10 +14,12 @@
 #pragma once
 
 #include "leeway/constraint.h"
+#include "leeway/io/path_constraints.hpp"
 #include "leeway/motions/timed.hpp"
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,6 +50,8 @@ struct Task
 	double tolerance = 1e-4; ///< metres, > 0: of each coordinate of the tip
 	double angle = 0.0017;   ///< radians, > 0: of the orientation, or of the tilt of the free axis
 	double speed = HUGE_VAL; ///< metres per second, > 0: of the tip along its way
+	/// Constraints that each cubic is proved to keep; an attempt that breaks one ends there.
+	io::PathConstraints path;
 };
 
 struct Settings
@@ -56,6 +60,7 @@ struct Settings
 	motions::MotionLimits limits;             ///< motions::motionLimits()
 	std::uint64_t seed = 1;                   ///< equal seeds give equal answers
 	std::size_t attempts = 100; ///< ways to follow the reference, at most; 8 if 200 draws find no state at its end
+	std::function<bool()> stop; ///< asked before each attempt; true ends the work; may be empty
 };
 
 enum class Obstacle
@@ -66,19 +71,21 @@ enum class Obstacle
 	SINGULARITY, ///< the joints would have to move too fast
 	COLLISION,   ///< the clearance of the pair is not above min_d
 	UNDECIDED,   ///< the clearance of the pair is in the band above min_d, or an error is at its tolerance
+	CONSTRAINT,  ///< one of Task::path is not proved: `constraint`
 };
 
 /// Where an attempt ended.
 struct Stop
 {
 	Obstacle obstacle = Obstacle::NONE;
-	std::size_t part = 0;  ///< of the way, from 0: it leads to this waypoint, or to the next one with any_start
-	double fraction = 0;   ///< of that part's way, 0 to 1
-	lw_vec3 position{};    ///< of the reference there, in the base
-	std::vector<double> q; ///< group state; empty if UNREACHABLE
-	std::string joint;     ///< JOINT_LIMIT, SINGULARITY: that moves most
-	bool self = false;     ///< `pair` is two links
-	motions::Named pair;   ///< COLLISION, UNDECIDED
+	std::size_t part = 0;   ///< of the way, from 0: it leads to this waypoint, or to the next one with any_start
+	double fraction = 0;    ///< of that part's way, 0 to 1
+	lw_vec3 position{};     ///< of the reference there, in the base
+	std::vector<double> q;  ///< group state; empty if UNREACHABLE
+	std::string joint;      ///< JOINT_LIMIT, SINGULARITY: that moves most
+	bool self = false;      ///< `pair` is two links
+	motions::Named pair;    ///< COLLISION, UNDECIDED
+	std::string constraint; ///< CONSTRAINT: a sentence
 };
 
 /// A fraction that goes from 0 to 1 while some time goes by: a cubic.
@@ -119,9 +126,17 @@ struct Result
 
 /// Plans the way. Not solved: no attempt is a proof that there is none.
 /// @param robot the model that `problem` was built from
-/// @throws io::Error (a waypoint or arc that is none, a radius that does not fit, a tip that the group does not move, a floating joint, a tolerance of 0), CoreError
+/// @throws io::Error (a waypoint or arc that is none, a radius that does not fit, a tip that the group does not move, a floating joint, a tolerance of 0, all of
+/// motions::BoundConstraints), CoreError
 /// Cost: some milliseconds an attempt of seven joints, most of it for clearances.
 Result planLines( const io::RobotModel& robot, const io::Problem& problem, const Task& task, const Settings& settings );
+
+/// The task of a request's waypoints.
+/// @param with pose of `tip` in the way's link, free axis, tolerances, constraints and speed; the smaller speed counts
+/// @param file, element of the request, for errors: element stands before "link_name"
+/// @throws io::Error (a link or frame that is not there)
+Task taskOf( const io::Problem& problem, const io::CartesianWay& way, const Task& with, const std::string& file,
+    const std::string& element = {} );
 
 /// The share of the length from rest to rest: s = 3 u^2 - 2 u^3, with u = 0 to 1 over the time; with blends at the ends of parts.
 double fractionAt( double u );

@@ -15,6 +15,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,7 @@ struct Settings
 	double seconds = 60;                      ///< of the search
 	std::size_t most_nodes = 100000;          ///< of both trees
 	unsigned shortcuts = 100;                 ///< tried
+	std::function<bool()> stop; ///< asked now and then; true ends the search, as if the time were over; may be empty
 };
 
 enum class Outcome

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// leeway plan with a request that has items: motions one after the other, planned together.
+#include "leeway/sequence/sequence.hpp"
+#include "commands/driven_plan.hpp"
+#include "commands/limits_file.hpp"
+#include "commands/line_task.hpp"
+#include "commands/plan_solution.hpp"
+#include "motions/json.hpp"
+#include "program/ends.hpp"
+
+#include <sstream>
+
+namespace leeway::cli
+{
+namespace
+{
+
+/// Options of a single motion, or of another kind of plan.
+void refuseSingle( const PlanOptions& options )
+{
+	const std::pair<const char*, bool> others[] = { { "--goal", !options.goal.empty() },
+	    { "--goal-pose", !options.goal_poses.empty() }, { "--line", !options.line.poses.empty() },
+	    { "--line-frame", !options.line.frame.empty() }, { "--line-blend", options.line.blend > 0 },
+	    { "--any-start", options.line.any_start }, { "--mend-start", options.mend_start },
+	    { "--planner", !options.planner.empty() }, { "--optimize", options.optimize > 0 },
+	    { "--clearance-goal", options.clearance_goal > 0 }, { "--others", !options.others.empty() } };
+	for ( const auto& [name, given] : others )
+	{
+		if ( given )
+		{
+			refuseOption(
+			    name, "stands beside a request with items", "leave it out; the items have goals, ways and blends" );
+		}
+	}
+	if ( options.edge.validator != "certified" )
+	{
+		refuseOption( "--validator", "is " + options.edge.validator + ", and sequences are proved", "leave it out" );
+	}
+	if ( !options.out.empty() )
+	{
+		refuseOption( "--out", "is for straight edges; the motions of a sequence bend", "give --trajectory FILE" );
+	}
+	requireLineNumbers( options.line );
+}
+
+/// Proofs of each leg's constraints along its path. @return true: all are kept
+bool proveLegs( const io::Problem& problem, const io::PathConstraints& path, const sequence::Result& plan,
+    const std::vector<Segment>& segments, Json& json, std::string& text )
+{
+	bool kept = true;
+	for ( std::size_t i = 0; i < plan.legs.size(); ++i )
+	{
+		const io::PathConstraints& own = path.items[i].path;
+		const sequence::Motion& leg = plan.legs[i];
+		if ( own.empty() || leg.count == 0 )
+		{
+			continue;
+		}
+		const auto first = segments.begin() + static_cast<std::ptrdiff_t>( leg.first );
+		const std::vector<ConstraintProof> proofs =
+		    proveConstraints( problem, own, { first, first + static_cast<std::ptrdiff_t>( leg.count ) }, {} );
+		kept = kept && areKept( proofs );
+		std::istringstream lines( motions::describe( proofs ) );
+		for ( std::string line; std::getline( lines, line ); )
+		{
+			text += fmt::format( "leg {}: {}\n", i + 1, line );
+		}
+		for ( const ConstraintProof& proof : proofs )
+		{
+			json["legs"][i]["path_constraints"].push_back(
+			    { { "constraint", proof.element }, { "verdict", lw_verdict_name( proof.verdict ) } } );
+		}
+	}
+	return kept;
+}
+
+Json reportOf( const sequence::Result& plan )
+{
+	Json json = { { "solved", plan.solved }, { "seconds", plan.plan_seconds } };
+	if ( !plan.solved )
+	{
+		json["failed_leg"] = plan.failed + 1;
+		json["reason"] = plan.reason;
+		json["goals_tried"] = plan.goals;
+		json["time_is_over"] = plan.stopped;
+		return json;
+	}
+	json["duration"] = plan.legs.back().begin + plan.legs.back().seconds;
+	for ( const sequence::Motion& leg : plan.legs )
+	{
+		Json one = { { "begin", leg.begin }, { "seconds", leg.seconds }, { "cubics", leg.count } };
+		if ( leg.is_line )
+		{
+			one["position_error"] = leg.position_error;
+			one["angle_error"] = leg.angle_error;
+		}
+		else
+		{
+			one["goals"] = leg.goals;
+			one["goals_tried"] = leg.tried;
+		}
+		json["legs"].push_back( one );
+	}
+	return json;
+}
+
+sequence::Settings settingsOf( const PlanOptions& options, const io::Request& request )
+{
+	sequence::Settings settings;
+	settings.edge.min_d = options.common.min_d;
+	settings.edge.flags = options.common.checkFlags();
+	settings.edge.slack = options.edge.slack;
+	settings.seed = options.seed;
+	settings.seconds = timeLimit( options, request );
+	settings.shortcuts = options.simplify ? settings.shortcuts : 0;
+	return settings;
+}
+
+} // namespace
+
+int runSequence( const PlanOptions& options )
+{
+	refuseSingle( options );
+	Notices notices( options.common.verbose );
+	JointLimits limits = limitsOfFile( options.joint_limits );
+	DrivenPlan driven( options );
+	io::PathConstraints path;
+	Input input = loadInput( options.common, notices, &path );
+	for ( const io::SequenceItem& item : path.items )
+	{
+		notices.add( "the request", item.request.notices );
+	}
+	note( limits, options.joint_limits, input.robot, notices );
+	input.max_d = options.common.min_d + planning_horizon;
+	const PlanEnds ends = readEnds( options, input );
+	const Workbench bench( input, ends.group, {}, notices );
+	const io::Problem& problem = bench.problem();
+	requireUsable( options, bench, ends.start, io::startState( problem ) );
+	sequence::Settings settings = settingsOf( options, *input.request );
+	settings.limits = motionLimits( problem, input.robot, limits );
+	noteUsual( settings.limits, notices );
+	const std::vector<sequence::Leg> legs = sequence::legsOf( problem, path, commonTask( options.line ) );
+	const sequence::Result plan = sequence::planSequence( input.robot, problem, legs, settings );
+	Json report = reportOf( plan );
+	std::string text = sequence::describe( plan );
+	std::vector<std::string> notes;
+	std::istringstream lines( text );
+	for ( std::string line; std::getline( lines, line ); )
+	{
+		notes.push_back( line );
+	}
+	bool good = plan.solved;
+	if ( plan.solved )
+	{
+		const std::vector<Segment>& segments = driven.drive( problem, input, plan.segments, limits, "the sequence" );
+		std::string proofs;
+		good = proveLegs( problem, path, plan, segments, report, proofs ) && driven.isProved();
+		text += driven.told() + proofs;
+	}
+	report["good"] = good;
+	return driven.finish( problem, input, good, text, jsonText( report ),
+	    "it proves clearances; that frames stay on their lines, and path_constraints, are no part of it", notes );
+}
+
+} // namespace leeway::cli

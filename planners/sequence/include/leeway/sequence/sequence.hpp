@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Motions one after the other, planned together: approach, grasp, retreat. Each begins where the one before ends, and all of them are proved.
+//
+//     leeway::sequence::Leg approach, grasp, retreat;
+//     approach.goals = states;                    // alternatives, such as those of leeway/ik/inverse.hpp
+//     grasp.line = down;                          // leeway::lines::Task; its start is the end of the leg before
+//     retreat.line = up;
+//     const leeway::sequence::Result plan = leeway::sequence::planSequence( robot, problem, { approach, grasp, retreat }, settings );
+//
+// A goal counts only if the legs behind it are found: lines are planned from each goal before any motion is that leads there, and a goal from which a
+// later leg is not found gives way to another one, until the time is over. Motions to goals are those of leeway/manifold/plan.hpp, lines those of
+// leeway/lines/lines.hpp.
+#pragma once
+
+#include "leeway/lines/lines.hpp"
+#include "leeway/manifold/plan.hpp"
+
+#include <functional>
+
+namespace leeway::sequence
+{
+
+/// One motion: to a goal, or along a line.
+struct Leg
+{
+	std::string element;                    ///< its place, for errors: "items[1]"; empty: "legs[1]"
+	std::vector<std::vector<double>> goals; ///< group states, alternatives
+	std::optional<io::Request> request;     ///< in place of `goals`: its goal; poses get states by inverse kinematics
+	io::PathConstraints path;               ///< kept on the way to a goal; of lines: lines::Task::path
+	std::optional<lines::Task>
+	    line; ///< in place of a goal; from the end of the leg before, so without `any_start` and `start`
+	/// Metres: the corner to the next leg is rounded at this distance, without a rest, as lines::Waypoint::blend. Both legs are lines of one
+	/// frame, without constraints.
+	double blend = 0;
+};
+
+struct Settings
+{
+	lw_edge_def edge = lw_edge_def_default(); ///< min_d, flags, slack
+	motions::MotionLimits limits;             ///< motions::motionLimits()
+	std::uint64_t seed = 1;                   ///< equal seeds give equal plans, unless the time is over
+	double seconds = 60;                      ///< for all legs
+	unsigned shortcuts = 100;                 ///< tried in each motion to a goal
+	std::size_t states = 16;                  ///< goals of a pose, at most
+	std::size_t attempts = 20;                ///< to follow a line from one state; from the first state five times as many
+	std::function<bool()> stop;               ///< asked now and then; true ends the work; may be empty
+};
+
+/// A leg of a plan.
+struct Motion
+{
+	std::size_t first = 0, count = 0; ///< of Result::segments; a leg that goes nowhere has none
+	double begin = 0, seconds = 0;
+	bool is_line = false;
+	double position_error = 0, angle_error = 0; ///< of a line, proved: lines::Result
+	std::size_t goals = 0;                      ///< of a motion to a goal: those from which the lines behind were found
+	std::size_t tried = 0;                      ///< of these, in vain
+};
+
+struct Result
+{
+	bool solved = false;
+	std::vector<motions::Segment> segments; ///< cubics, timed within the limits, at rest between legs without a blend
+	std::vector<Motion> legs;               ///< of each leg; empty if not solved
+	std::size_t failed = 0;                 ///< not solved: the first leg to whose end no attempt came
+	std::string reason;                     ///< of the last attempt there: lines of text
+	std::size_t goals = 0;                  ///< goals of earlier legs from which it was not found
+	bool stopped = false;                   ///< by Settings::stop, or the time is over
+	double plan_seconds = 0;
+};
+
+/// Plans all legs. Not solved: no statement on whether there is a plan.
+/// @param robot the model that `problem` was built from
+/// @param start group state; empty: io::startState()
+/// @throws io::Error that names the leg (neither goal nor line, goals and poses that no state has, a blend that cannot be, and all of planLines() and
+/// planPath()), CoreError
+Result planSequence( const io::RobotModel& robot, const io::Problem& problem, const std::vector<Leg>& legs,
+    const Settings& settings, const std::vector<double>& start = {} );
+
+/// Legs of a request's items. @param line frame offset, free axis, tolerances and speed of all lines
+/// @throws io::Error (a link or frame that is not there)
+std::vector<Leg> legsOf( const io::Problem& problem, const io::PathConstraints& sequence, const lines::Task& line );
+
+/// Lines for people.
+std::string describe( const Result& result );
+
+} // namespace leeway::sequence
