@@ -14,8 +14,8 @@ from ._core import (Checker, Cloud, CoreError, Error, Guard, InputError, Inverse
     check_spheres, depth, distance, pairs)
 from ._core import version as __version__
 from .pages import Page, view
-from .results import Clearances, ConstrainedPlan, Depth, DepthKind, Direction, Distance, GoalStates, GuardAnswer, GuardSpeed, InverseFailure, InverseStates, Line, LinkSpheres, Motions, NearPairs, Plan, Timed
+from .results import Clearances, ConstrainedPlan, Depth, DepthKind, Direction, Distance, GoalStates, GuardAnswer, GuardSpeed, InverseFailure, InverseStates, Line, LinkSpheres, Motions, NearPairs, Plan, Sequence, Timed
 
 __all__ = ["Checker", "Clearances", "Cloud", "ConstrainedPlan", "CoreError", "Depth", "DepthKind", "Direction", "Distance", "Error", "GoalStates", "Guard", "GuardAnswer", "GuardSpeed", "InputError", "Inverse", "InverseFailure", "InverseStates", "Line", "LinkSpheres", "Margins", "Motions", "NearPairs", "Outcome", "Padding",
-    "Page", "Plan", "Reach", "Robot", "Scene", "Shape", "Timed", "TimedWorld", "Verdict", "World", "__version__", "check_spheres",
+    "Page", "Plan", "Reach", "Robot", "Scene", "Sequence", "Shape", "Timed", "TimedWorld", "Verdict", "World", "__version__", "check_spheres",
     "depth", "distance", "pairs", "view"]

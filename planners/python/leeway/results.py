@@ -252,6 +252,21 @@ class ConstrainedPlan(NamedTuple):
         return f"ConstrainedPlan({len(self.times)} points)" if self.solved else f"ConstrainedPlan({self.message.splitlines()[0]})"
 
 
+class Sequence(NamedTuple):
+    """Motions one after the other: cubics between points, proved. Only a solved one has points."""
+    solved: bool
+    times: Array  #: float64 [n], seconds
+    positions: Array  #: float64 [n, dof]
+    velocities: Array  #: float64 [n, dof]
+    legs: Array  #: float64 [items, 2]: seconds at which each begins and ends
+    failed: int | None  #: the first item to whose end no attempt came
+    seconds: float  #: of planning
+    message: str  #: the reasons without a plan; empty if solved
+
+    def __repr__(self) -> str:
+        return f"Sequence({len(self.legs)} legs, {len(self.times)} points)" if self.solved else f"Sequence({self.message.splitlines()[0]})"
+
+
 class Plan(NamedTuple):
     """Result of a search. Only Outcome.SOLVED has a path; no other outcome says that there is none."""
     outcome: Outcome

@@ -6,6 +6,8 @@
 
 #include "leeway/motions/timed.hpp"
 
+#include <functional>
+
 namespace leeway::python
 {
 
@@ -14,5 +16,9 @@ namespace leeway::python
 motions::MotionLimits limitsOf( const PyChecker& checker, const nb::object& velocity, const nb::object& acceleration );
 
 void bindConstrained( nb::class_<PyChecker>& type );
+
+/// Works on another thread, while this one lets the interpreter handle signals. Ctrl-C calls `cancel`, whereupon the work has to end soon.
+/// @throws nb::python_error after Ctrl-C, and all that the work throws
+void workInterruptibly( const std::function<void()>& work, const std::function<void()>& cancel );
 
 } // namespace leeway::python

@@ -8,6 +8,7 @@
 
 #include <nanobind/stl/string.h>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -316,10 +317,10 @@ nb::object planLine( const PyChecker& checker, const std::string& link, const nb
 	settings.seed = seed.seed();
 	settings.attempts = attempts.in( "attempts", 1, std::numeric_limits<std::uint32_t>::max() );
 	lines::Result line;
-	{
-		const nb::gil_scoped_release unlocked;
-		line = lines::planLines( *checker.model, problem, task, settings );
-	}
+	std::atomic<bool> stopped = false;
+	settings.stop = [&stopped] { return stopped.load(); };
+	workInterruptibly(
+	    [&] { line = lines::planLines( *checker.model, problem, task, settings ); }, [&stopped] { stopped = true; } );
 	return lineOf( checker, line );
 }
 
@@ -344,7 +345,7 @@ void bindLine( nb::class_<PyChecker>& type )
 	    "turn. The robot rests at each pose; blend: metres, from which on corners between two lines are rounded by a circle without a rest, one\n"
 	    "number, or one for each pose (0: rest). tolerance: metres, of each coordinate; angle: radians; speed: metres per second at most. velocity, acceleration: float64 [dof]\n"
 	    "limits (None: of the robot; 1). Returns Line; trajectory(times, positions, velocities) proves the same motion. Equal seeds give\n"
-	    "equal answers. Raises InputError." );
+	    "equal answers. Ctrl-C ends it. Raises InputError." );
 }
 
 } // namespace

@@ -6,11 +6,13 @@
 #include "leeway/manifold/plan.hpp"
 #include "leeway/motions/path_constraints.hpp"
 #include "leeway/planners/planner.h"
+#include "leeway/sequence/sequence.hpp"
 
 #include <nanobind/eval.h>
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <future>
@@ -30,31 +32,13 @@ struct PlanGuard
 	~PlanGuard() { lw_plan_result_clear( &result ); }
 };
 
-/// Searches on another thread, while this one lets the interpreter handle signals: Ctrl-C ends the search.
+/// Ctrl-C ends the search.
 lw_status planInterruptibly( lw_plan_def def, lw_diag& diag, lw_plan_result& out )
 {
 	lw_plan_cancel cancel{};
 	def.cancel = &cancel;
-	bool interrupted = false;
 	lw_status status = LW_OK;
-	{
-		const nb::gil_scoped_release unlocked;
-		std::future<lw_status> search = std::async( std::launch::async, [&] { return lw_plan( &def, &diag, &out ); } );
-		while ( search.wait_for( std::chrono::milliseconds( 50 ) ) != std::future_status::ready )
-		{
-			const nb::gil_scoped_acquire locked;
-			if ( !interrupted && PyErr_CheckSignals() != 0 )
-			{
-				interrupted = true;
-				lw_plan_request_cancel( &cancel );
-			}
-		}
-		status = search.get();
-	}
-	if ( interrupted )
-	{
-		throw nb::python_error();
-	}
+	workInterruptibly( [&] { status = lw_plan( &def, &diag, &out ); }, [&] { lw_plan_request_cancel( &cancel ); } );
 	return status;
 }
 
@@ -161,6 +145,39 @@ nb::object plan( const PyChecker& checker, const Doubles& start, const Doubles& 
 
 } // namespace
 
+void workInterruptibly( const std::function<void()>& work, const std::function<void()>& cancel )
+{
+	bool interrupted = false;
+	{
+		const nb::gil_scoped_release unlocked;
+		std::future<void> done = std::async( std::launch::async, work );
+		while ( done.wait_for( std::chrono::milliseconds( 50 ) ) != std::future_status::ready )
+		{
+			const nb::gil_scoped_acquire locked;
+			if ( !interrupted && PyErr_CheckSignals() != 0 )
+			{
+				interrupted = true;
+				cancel();
+			}
+		}
+		try
+		{
+			done.get();
+		}
+		catch ( ... ) // of no use to a caller who leaves
+		{
+			if ( !interrupted )
+			{
+				throw;
+			}
+		}
+	}
+	if ( interrupted )
+	{
+		throw nb::python_error();
+	}
+}
+
 void bindPlans( nb::module_&, nb::class_<PyChecker>& type )
 {
 	constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -218,6 +235,13 @@ std::vector<double> limitOf(
 	return { values, values + checker.variables() };
 }
 
+/// Arrays and numbers of NumPy are lists and numbers of the message.
+std::string jsonOf( const nb::dict& message )
+{
+	const nb::object plain = nb::eval( "lambda value: value.tolist()" );
+	return nb::cast<std::string>( nb::module_::import_( "json" ).attr( "dumps" )( message, "default"_a = plain ) );
+}
+
 /// A mapping without a start or a goal gets those of the arguments: the reader wants both.
 std::string textOf( const PyChecker& checker, const nb::object& request, const double* goal )
 {
@@ -242,9 +266,7 @@ std::string textOf( const PyChecker& checker, const nb::object& request, const d
 		one.append( constraints );
 		all["goal_constraints"] = one;
 	}
-	// Arrays and numbers of NumPy are lists and numbers of the message
-	const nb::object plain = nb::eval( "lambda value: value.tolist()" );
-	return nb::cast<std::string>( nb::module_::import_( "json" ).attr( "dumps" )( all, "default"_a = plain ) );
+	return jsonOf( all );
 }
 
 struct Asked
@@ -279,10 +301,33 @@ std::vector<double> startOf( const io::Problem& problem, const io::Request& requ
 	return q;
 }
 
+/// @throws io::Error
+void requireGroup( const PyChecker& checker, const io::Request& request )
+{
+	if ( !request.group.empty() && request.group != checker.problem->group )
+	{
+		throw io::Error( request.file, "group_name",
+		    "is " + request.group + ", and the checker is of group '" + checker.problem->group + "'",
+		    "make a checker of the group of the request" );
+	}
+}
+
+/// The given start, else that of the request.
+std::vector<double> startOr( const PyChecker& checker, const nb::object& start, const io::Request& request )
+{
+	if ( start.is_none() )
+	{
+		return startOf( *checker.problem, request );
+	}
+	const Doubles numbers = nb::cast<Doubles>( start );
+	const double* values = vectorOf( numbers, checker.variables(), "start", "variables of the group" );
+	return { values, values + checker.variables() };
+}
+
 Asked askedOf( const PyChecker& checker, const nb::object& request, const nb::object& start, const nb::object& goal )
 {
 	Asked asked;
-	Doubles keep_start, keep_goal;
+	Doubles keep_goal;
 	const double* goal_values = nullptr;
 	if ( !goal.is_none() )
 	{
@@ -294,24 +339,17 @@ Asked askedOf( const PyChecker& checker, const nb::object& request, const nb::ob
 	    is_file ? nb::cast<std::string>( nb::module_::import_( "os" ).attr( "fspath" )( request ) ) : "request";
 	asked.request = is_file ? io::loadConstrainedRequest( file, asked.path )
 	                        : io::parseConstrainedRequest( file, textOf( checker, request, goal_values ), asked.path );
+	if ( !asked.path.items.empty() || asked.path.way )
+	{
+		throw io::Error( asked.request.file, asked.path.way ? "waypoints" : "items", "are no motion to a goal",
+		    "give them to plan_sequence()" );
+	}
 	if ( is_file && goal_values != nullptr )
 	{
 		throw nb::value_error( "goal: the request is a file, which has a goal; give the request as a mapping" );
 	}
-	if ( !asked.request.group.empty() && asked.request.group != checker.problem->group )
-	{
-		throw io::Error( asked.request.file, "group_name",
-		    "is " + asked.request.group + ", and the checker is of group '" + checker.problem->group + "'",
-		    "make a checker of the group of the request" );
-	}
-	if ( start.is_none() )
-	{
-		asked.start = startOf( *checker.problem, asked.request );
-		return asked;
-	}
-	keep_start = nb::cast<Doubles>( start );
-	const double* values = vectorOf( keep_start, checker.variables(), "start", "variables of the group" );
-	asked.start.assign( values, values + checker.variables() );
+	requireGroup( checker, asked.request );
+	asked.start = startOr( checker, start, asked.request );
 	return asked;
 }
 
@@ -333,6 +371,24 @@ void requireUsable( const manifold::Result& plan, const std::string& file )
 		                                          : "widen their tolerances, or remove one" );
 	}
 }
+
+/// Times, positions and velocities; empty unless solved.
+struct PointArrays
+{
+	PointArrays( const motions::TrajectoryFile& file, bool solved, std::size_t variables )
+	    : count( solved ? file.points.size() : 0 ), times( { count } ), positions( { count, variables } ),
+	      velocities( { count, variables } )
+	{
+		for ( std::size_t i = 0; i < count; ++i )
+		{
+			times.data[i] = file.points[i].time;
+			std::copy_n( file.points[i].positions.begin(), variables, positions.data + i * variables );
+			std::copy_n( file.points[i].velocities.begin(), variables, velocities.data + i * variables );
+		}
+	}
+	const std::size_t count;
+	const NewArray<double> times, positions, velocities;
+};
 
 /// Points of the trajectory, proved as its reader drives it.
 nb::object planOf( const PyChecker& checker, const manifold::Result& plan, const io::PathConstraints& path,
@@ -357,17 +413,10 @@ nb::object planOf( const PyChecker& checker, const manifold::Result& plan, const
 		solved = audit.valid() && motions::areKept( proofs );
 		message = solved ? message : motions::describe( audit ) + motions::describe( proofs );
 	}
-	const std::size_t points = solved ? file.points.size() : 0;
-	const NewArray<double> times( { points } ), positions( { points, count } ), velocities( { points, count } );
-	for ( std::size_t i = 0; i < points; ++i )
-	{
-		times.data[i] = file.points[i].time;
-		std::copy_n( file.points[i].positions.begin(), count, positions.data + i * count );
-		std::copy_n( file.points[i].velocities.begin(), count, velocities.data + i * count );
-	}
-	return result(
-	    "ConstrainedPlan", nb::make_tuple( solved, times.object, positions.object, velocities.object, plan.mended,
-	                           plan.length, plan.straight, plan.bent, plan.rests, plan.search_seconds, message.c_str() ) );
+	const PointArrays points( file, solved, count );
+	return result( "ConstrainedPlan",
+	    nb::make_tuple( solved, points.times.object, points.positions.object, points.velocities.object, plan.mended,
+	        plan.length, plan.straight, plan.bent, plan.rests, plan.search_seconds, message.c_str() ) );
 }
 
 nb::object planRequest( const PyChecker& checker, const nb::object& request, const nb::object& start, const nb::object& goal,
@@ -392,14 +441,163 @@ nb::object planRequest( const PyChecker& checker, const nb::object& request, con
 	motions::TrajectorySettings as_driven;
 	as_driven.edge = settings.edge;
 	manifold::Result plan;
-	{
-		const nb::gil_scoped_release unlocked;
-		task.goals =
-		    manifold::constrainedGoals( *checker.model, problem, asked.request, asked.path, settings.edge, settings.seed );
-		plan = manifold::planPath( *checker.model, problem, asked.path, task, settings );
-	}
+	std::atomic<bool> stopped = false;
+	settings.stop = [&stopped] { return stopped.load(); };
+	workInterruptibly(
+	    [&]
+	    {
+		    task.goals = manifold::constrainedGoals(
+		        *checker.model, problem, asked.request, asked.path, settings.edge, settings.seed );
+		    plan = manifold::planPath( *checker.model, problem, asked.path, task, settings );
+	    },
+	    [&stopped] { stopped = true; } );
 	requireUsable( plan, asked.request.file );
 	return planOf( checker, plan, asked.path, as_driven );
+}
+
+// ---- sequences -------------------------------------------------------------------------------------------------------
+
+/// Arrays among the items are goals: their places get a goal that the reader takes.
+io::PathConstraints itemsOf( const PyChecker& checker, const nb::object& items, io::Request& request,
+    std::vector<std::pair<std::size_t, Doubles>>& goals )
+{
+	io::PathConstraints path;
+	const bool is_file = nb::isinstance<nb::str>( items ) || nb::hasattr( items, "__fspath__" );
+	if ( is_file )
+	{
+		request = io::loadConstrainedRequest(
+		    nb::cast<std::string>( nb::module_::import_( "os" ).attr( "fspath" )( items ) ), path );
+	}
+	else
+	{
+		const nb::object builtins = nb::module_::import_( "builtins" );
+		const bool is_message = nb::hasattr( items, "keys" );
+		nb::list list;
+		for ( const nb::handle item : is_message ? nb::object( items["items"] ) : items )
+		{
+			nb::dict one;
+			if ( !nb::hasattr( item, "keys" ) )
+			{
+				goals.emplace_back( nb::len( list ), nb::cast<Doubles>( item ) );
+				one["req"] =
+				    nb::eval( "{'goal_constraints': [{'joint_constraints': [{'joint_name': '', 'position': 0}]}]}" );
+			}
+			else if ( nb::cast<bool>( item.attr( "__contains__" )( "req" ) ) )
+			{
+				one = nb::cast<nb::dict>( builtins.attr( "dict" )( item ) );
+			}
+			else
+			{
+				one["req"] = builtins.attr( "dict" )( item );
+			}
+			if ( nb::len( list ) == 0 )
+			{
+				const nb::dict req = nb::cast<nb::dict>( builtins.attr( "dict" )( one["req"] ) );
+				req.contains( "start_state" ) ? void() : void( req["start_state"] = nb::dict() );
+				one["req"] = req;
+			}
+			list.append( one );
+		}
+		nb::dict all;
+		all["items"] = list;
+		request = io::parseConstrainedRequest( "sequence", jsonOf( all ), path );
+	}
+	if ( path.items.empty() )
+	{
+		throw io::Error( request.file, "items", "are missing", "give a file with items, or call plan_request()" );
+	}
+	requireGroup( checker, request );
+	return path;
+}
+
+/// Begin and end of each leg, [legs, 2].
+nb::object sequenceOf( const PyChecker& checker, const io::PathConstraints& path, const sequence::Result& plan,
+    const motions::TrajectorySettings& as_driven )
+{
+	const io::Problem& problem = *checker.problem;
+	motions::TrajectoryFile file;
+	std::string message = plan.solved ? std::string() : sequence::describe( plan );
+	bool solved = plan.solved;
+	if ( solved )
+	{
+		file = motions::endsOf( problem, plan.segments );
+		const std::vector<motions::Segment> segments =
+		    motions::segmentsOf( problem, file, motions::Interpolation::automatic, 0 );
+		const motions::TrajectoryAudit audit =
+		    motions::auditTrajectory( problem, *checker.model, "the sequence", segments, as_driven );
+		solved = audit.valid();
+		message = solved ? message : motions::describe( audit );
+		for ( std::size_t i = 0; i < plan.legs.size(); ++i )
+		{
+			const auto first = segments.begin() + static_cast<std::ptrdiff_t>( plan.legs[i].first );
+			const std::vector<motions::ConstraintProof> proofs = motions::proveConstraints(
+			    problem, path.items[i].path, { first, first + static_cast<std::ptrdiff_t>( plan.legs[i].count ) }, {} );
+			solved = solved && motions::areKept( proofs );
+			message +=
+			    motions::areKept( proofs ) ? std::string() : path.items[i].element + ": " + motions::describe( proofs );
+		}
+	}
+	const PointArrays points( file, solved, checker.variables() );
+	const NewArray<double> legs( { solved ? plan.legs.size() : 0, 2 } );
+	for ( std::size_t i = 0; solved && i < plan.legs.size(); ++i )
+	{
+		legs.data[2 * i] = plan.legs[i].begin;
+		legs.data[2 * i + 1] = plan.legs[i].begin + plan.legs[i].seconds;
+	}
+	const nb::object failed = plan.solved ? nb::none() : nb::cast( plan.failed );
+	return result( "Sequence", nb::make_tuple( solved, points.times.object, points.positions.object,
+	                               points.velocities.object, legs.object, failed, plan.plan_seconds, message.c_str() ) );
+}
+
+nb::object planSequence( const PyChecker& checker, const nb::object& items, const nb::object& start, const nb::object& tip,
+    const nb::object& free_axis, double tolerance, double angle, double speed, double seconds, const Whole& seed,
+    double min_d, double slack, const std::string& check, bool smooth, const nb::object& velocity,
+    const nb::object& acceleration )
+{
+	const io::Problem& problem = *checker.problem;
+	io::Request request;
+	std::vector<std::pair<std::size_t, Doubles>> goals;
+	const io::PathConstraints path = itemsOf( checker, items, request, goals );
+	lines::Task line;
+	line.tip.pose = poseOrIdentity( tip, "tip" );
+	line.tolerance = tolerance;
+	line.angle = angle;
+	line.speed = speed;
+	if ( !free_axis.is_none() )
+	{
+		const Doubles numbers = nb::cast<Doubles>( free_axis );
+		const double* axis = vectorOf( numbers, 3, "free_axis", "numbers" );
+		line.free_axis = lw_vec3{ axis[0], axis[1], axis[2] };
+	}
+	std::vector<sequence::Leg> legs = sequence::legsOf( problem, path, line );
+	for ( const auto& [i, states] : goals )
+	{
+		const Rows rows = rowsOf( states, checker.variables(), "items", "variables of the group" );
+		legs[i].request.reset();
+		for ( std::size_t k = 0; k < rows.count; ++k )
+		{
+			legs[i].goals.emplace_back( rows[k], rows[k] + checker.variables() );
+		}
+	}
+	sequence::Settings settings;
+	settings.edge.min_d = min_d;
+	settings.edge.slack = slack;
+	settings.edge.flags = checkFlags( check );
+	settings.limits = limitsOf( checker, velocity, acceleration );
+	settings.seed = seed.seed();
+	settings.seconds = std::isfinite( seconds )            ? seconds
+	                   : request.allowed_planning_time > 0 ? request.allowed_planning_time
+	                                                       : settings.seconds;
+	settings.shortcuts = smooth ? settings.shortcuts : 0;
+	motions::TrajectorySettings as_driven;
+	as_driven.edge = settings.edge;
+	std::atomic<bool> stopped = false;
+	settings.stop = [&stopped] { return stopped.load(); };
+	const std::vector<double> from = startOr( checker, start, request );
+	sequence::Result plan;
+	workInterruptibly( [&] { plan = sequence::planSequence( *checker.model, problem, legs, settings, from ); },
+	    [&stopped] { stopped = true; } );
+	return sequenceOf( checker, path, plan, as_driven );
 }
 
 } // namespace
@@ -445,8 +643,28 @@ void bindConstrained( nb::class_<PyChecker>& type )
 	    "in place of goal_constraints of a mapping. mend_start: a start that breaks constraints is led to them by a first motion, proved free.\n"
 	    "seconds: of the search; infinity: the request's allowed_planning_time, else 60. smooth: shortcuts. velocity, acceleration: float64 [dof]\n"
 	    "limits (None: of the robot; 1). Returns ConstrainedPlan; trajectory(times, positions, velocities) proves its clearances once more. Equal\n"
-	    "seeds give equal plans, unless the time is over. Raises InputError for a request that cannot be read, of another group, and for starts,\n"
+	    "seeds give equal plans, unless the time is over. Ctrl-C ends the search. Raises InputError for a request that cannot be read, of another group, and for starts,\n"
 	    "goals and constraints that cannot be kept, with the amounts." );
+	const lines::Task task;
+	type.def( "plan_sequence", &planSequence, "items"_a, "start"_a = nb::none(), nb::kw_only(), "tip"_a = nb::none(),
+	    "free_axis"_a = nb::none(), "tolerance"_a = task.tolerance, "angle"_a = task.angle, "speed"_a = HUGE_VAL,
+	    "seconds"_a = infinity, "seed"_a.none() = 1, "min_d"_a = 0.0, "slack"_a = 1e-3, "check"_a = "both",
+	    "smooth"_a = true, "velocity"_a = nb::none(), "acceleration"_a = nb::none(),
+	    nb::sig(
+	        "def plan_sequence(self, items: typing.Sequence | typing.Mapping | str | os.PathLike, "
+	        "start: numpy.typing.ArrayLike | None = None, *, tip: numpy.typing.ArrayLike | None = None, "
+	        "free_axis: numpy.typing.ArrayLike | None = None, tolerance: float = 0.0001, angle: float = 0.0017, "
+	        "speed: float = float('inf'), seconds: float = float('inf'), seed: int = 1, min_d: float = 0.0, slack: float = 0.001, "
+	        "check: str = 'both', smooth: bool = True, velocity: numpy.typing.ArrayLike | None = None, "
+	        "acceleration: numpy.typing.ArrayLike | None = None) -> leeway.results.Sequence" ),
+	    "Motions one after the other, such as approach, grasp and retreat, planned together: a goal counts only if the motions behind it are\n"
+	    "found. Each begins where the one before ends; all are proved free and within limits at all times.\n\n"
+	    "items: a list; or moveit_msgs/MotionSequenceRequest, as a mapping or the name of its file. An item is float64 [dof] or [k, dof], a goal or\n"
+	    "alternatives; or a mapping: a request as of plan_request(), with goal_constraints and perhaps path_constraints, or with waypoints and\n"
+	    "link_name, a line; or {\"req\": request, \"blend_radius\": metres}, from which on the corner to the next line is rounded. start: float64 [dof], in\n"
+	    "place of the first start_state. tip, free_axis, tolerance, angle, speed: of all lines, as of plan_line(). seconds: of all; infinity: the sum of\n"
+	    "allowed_planning_time, else 60. velocity, acceleration: limits. Returns Sequence; without a plan `failed` is the item that is not found.\n"
+	    "Equal seeds give equal plans, unless the time is over. Ctrl-C ends it. Raises InputError that names the item." );
 }
 
 } // namespace leeway::python
