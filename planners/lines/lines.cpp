@@ -3,7 +3,7 @@
 #include "leeway/lines/lines.hpp"
 
 #include "ik/random.hpp"
-#include "lines/fit.hpp"
+#include "lines/shares.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +18,7 @@ constexpr double same_start = 0.02;                  // two starts that differ b
 constexpr int most_draws = 60, most_end_draws = 200; // of starts and of ends that have their pose
 constexpr std::size_t most_ends = 16;
 constexpr int back_steps = 16;
+constexpr int share_rounds = 4;         // in which legs of a run share its time otherwise
 constexpr std::size_t few_attempts = 8; // if no state has the last pose: to see where the way ends
 
 void check( const Task& task, std::size_t variables )
@@ -202,7 +203,9 @@ private:
 		const bool hopeless = !good && !m_task.any_start;
 		while ( good && run < m_runs.size() )
 		{
+			const State begin = q;
 			good = m_fit.run( m_runs[run], wish, q, pieces[run] );
+			good ? share( m_runs[run], wish, begin, q, pieces[run] ) : void();
 			run += good ? 1 : 0;
 		}
 		if ( good )
@@ -220,6 +223,30 @@ private:
 			m_result.stop = stop;
 		}
 		return !hopeless;
+	}
+
+	/// Other shares of the time for the legs of a run, as long as they make it shorter and are proved.
+	/// @param begin state @param q its end @param pieces of the run
+	void share( Run& run, const Wish& wish, const State& begin, State& q, std::vector<Piece>& pieces )
+	{
+		for ( int round = 0; run.legs.size() > 1 && round < share_rounds; ++round )
+		{
+			const Courses courses = coursesOf( run );
+			const std::int64_t before = nanoseconds( run, pieces );
+			std::vector<Piece> shared;
+			State end = begin;
+			if ( !shareTime( run, pieces, m_settings.limits, m_task.speed ) )
+			{
+				return;
+			}
+			if ( !m_fit.run( run, wish, end, shared ) || nanoseconds( run, shared ) >= before )
+			{
+				setCourses( run, courses );
+				return;
+			}
+			pieces = std::move( shared );
+			q = end;
+		}
 	}
 
 	/// Nanoseconds for a run: a whole number for each place.

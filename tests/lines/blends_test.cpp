@@ -151,6 +151,20 @@ TEST( Blends, ARoundedCornerIsLeftOrRestedAt )
 	EXPECT_NEAR( 0.03 * ( std::sqrt( 2 ) - 1 ), norm( middle - Point{ 0.35, -0.15, 0.55 } ), 1e-4 );
 }
 
+TEST( Blends, ATightCornerSlowsTheLinesBesideIt )
+{
+	LineWorld world( sevenAxisArm() );
+	world.task.waypoints = {
+	    { placed( 0.35, -0.3, 0.45 ) }, { placed( 0.35, 0.1, 0.45 ), {}, 0.004 }, { placed( 0.35, 0.1, 0.6 ) } };
+	const lines::Result rounded = world.plan();
+	expectRounded( world, rounded );
+	world.task.waypoints[1].blend = 0;
+	const lines::Result rests = world.plan();
+	ASSERT_TRUE( rounded.solved && rests.solved );
+	const auto end = []( const lines::Result& r ) { return r.segments.back().begin + r.segments.back().seconds; };
+	EXPECT_LT( end( rounded ), 1.2 * end( rests ) ); // with one scale of time 4 times as long
+}
+
 TEST( Blends, AxesThatTurnOverACornerJump )
 {
 	LineWorld world( sevenAxisArm() );

@@ -138,7 +138,7 @@ Result planLines( const io::RobotModel& robot, const io::Problem& problem, const
 Task taskOf( const io::Problem& problem, const io::CartesianWay& way, const Task& with, const std::string& file,
     const std::string& element = {} );
 
-/// The share of the length from rest to rest: s = 3 u^2 - 2 u^3, with u = 0 to 1 over the time; with blends at the ends of parts.
+/// The share of the length from rest to rest without blends: s = 3 u^2 - 2 u^3, with u = 0 to 1 over the time.
 double fractionAt( double u );
 
 /// Lines for people: the proved errors, or the place where the way ends, with its reason.
