@@ -551,20 +551,6 @@ private:
 	double m_range = 0;                              // suits the robot; 0: spaces with rotations
 };
 
-} // namespace
-
-double timeLimit( const PlanOptions& options, const io::Request& request )
-{
-	constexpr double most = 1e9; // seconds: OMPL counts nanoseconds in 64 bits
-	const double wanted = options.time > 0                    ? options.time
-	                      : request.allowed_planning_time > 0 ? request.allowed_planning_time
-	                                                          : 60;
-	return std::min( wanted, most );
-}
-
-namespace
-{
-
 ik::GoalStates solvePoses( const PlanOptions& options, const Input& input, const Workbench& bench, const PlanEnds& ends )
 {
 	ik::Options settings;
@@ -707,26 +693,25 @@ Audit auditSolution(
 	return audit;
 }
 
-/// The request's constraints along the path, or its waypoints, or its motions.
-io::PathConstraints alongPath( const PlanOptions& options )
+/// Plans of requests with items, waypoints or constraints along the path. @return their exit status; none: the request has none of these
+std::optional<int> runAlongPath( const PlanOptions& options )
 {
 	io::PathConstraints path;
 	options.common.request.empty() ? io::Request() : io::loadConstrainedRequest( options.common.request, path );
-	return path;
+	const bool plain = path.items.empty() && !path.way && path.empty();
+	return plain                 ? std::optional<int>()
+	       : !path.items.empty() ? runSequence( options )
+	       : path.way            ? runLine( options )
+	                             : runConstrainedPlan( options );
 }
 
 } // namespace
 
 int runPlan( const PlanOptions& options )
 {
-	const io::PathConstraints path = alongPath( options );
-	if ( !path.items.empty() )
+	if ( const std::optional<int> status = runAlongPath( options ) )
 	{
-		return runSequence( options );
-	}
-	if ( path.way || !path.empty() )
-	{
-		return path.way ? runLine( options ) : runConstrainedPlan( options );
+		return *status;
 	}
 	Notices notices( options.common.verbose );
 	planners::requireThreads( planners::findPlanner( plannersOf( options ).front() ), options.threads );

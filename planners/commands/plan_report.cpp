@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <sstream>
 
 namespace leeway::cli
@@ -81,6 +82,15 @@ Json stuckJson( const Workbench& bench, const planners::Stuck& stuck )
 }
 
 } // namespace
+
+double timeLimit( const PlanOptions& options, const io::Request& request )
+{
+	constexpr double most = 1e9; // seconds: OMPL counts nanoseconds in 64 bits
+	const double wanted = options.time > 0                    ? options.time
+	                      : request.allowed_planning_time > 0 ? request.allowed_planning_time
+	                                                          : 60;
+	return std::min( wanted, most );
+}
 
 double lengthOf( const Workbench& bench, const Points& points )
 {
