@@ -174,7 +174,11 @@ static inline void lwi_search_remembered( lw_query* query, const lw_shape* a, co
 	}
 	if ( bound->upper < INFINITY )
 	{
-		*cached = ( lwi_cached_pair ){ bound->current_pair, bound->triangle_a, bound->triangle_b, bound->upper, true };
+		cached->pair = bound->current_pair;
+		cached->triangle_a = bound->triangle_a;
+		cached->triangle_b = bound->triangle_b;
+		cached->clearance = bound->upper;
+		cached->valid = true;
 	}
 }
 
