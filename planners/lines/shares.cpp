@@ -17,7 +17,7 @@ constexpr double worth = 0.01;                            // of the time, by all
 constexpr int most_sweeps = 60;
 constexpr double need_power = 12; // of the mean of needs
 constexpr int places_of_leg = 12; // at which needs are estimated
-constexpr double most_ends = 2.9; // of both speeds of a course, Euclidean: below 3 it goes forward (Fritsch, Carlson, 1980)
+constexpr double most_pace = 2.9; // of both speeds of a course, Euclidean: below 3 it goes forward (Fritsch, Carlson, 1980)
 constexpr std::uint32_t least_width = 64;
 
 /// Derivatives of the joints by the fraction of a leg.
@@ -205,7 +205,7 @@ private:
 	{
 		const double width = m_widths[i], length = m_run.legs[i].length;
 		const double begin = m_seams[i] * width / length, end = m_seams[i + 1] * width / length;
-		if ( std::hypot( begin, end ) > most_ends )
+		if ( std::hypot( begin, end ) > most_pace )
 		{
 			return HUGE_VAL;
 		}
