@@ -136,7 +136,7 @@ class Planning
 {
 public:
 	Planning( const io::RobotModel& robot, const io::Problem& problem, const std::vector<Leg>& legs,
-	    const Settings& settings, State start )
+	    const Settings& settings, const State& start )
 	    : m_robot( robot ), m_problem( problem ), m_legs( legs ), m_settings( settings ), m_units( unitsOf( legs ) )
 	{
 		m_result.solved = extend( 0, start );
