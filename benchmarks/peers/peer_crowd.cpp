@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Comparison G, many pairs: 32 convex bodies of one link slide past 32 obstacles, and all 1,024 pairs are near.
 //
-// leeway makes rows of all pairs in one call, each with interval, witness points and direction; a peer is asked for the signed distance of each pair.
+// lw_checker_near() returns all rows in one call, each with interval, witness points and direction. A peer gives one signed distance per call.
 #include "peers/convex_body.hpp"
 #include "peers/peer_workloads.hpp"
 

@@ -168,7 +168,7 @@ typedef struct lwi_kernels
 	/// order @param voxel its number in the block, in Morton order. @return lanes whose points are in the grid; others have numbers without meaning
 	uint32_t (
 		*point_voxels )( const lwi_voxel_grid* grid, const double ( *point )[LWI_WIDTH], uint32_t* place, uint32_t* voxel );
-	/// The points of eight pixels of a row. @param depths of columns u to u + 7, metres; NaN and what is not above 0: not measured
+	/// The points of eight pixels of a row. @param depths of columns u to u + 7, metres; a depth that is NaN, 0 or negative is not measured
 	void ( *pixel_voxels )( const lwi_voxel_grid* grid, const lwi_pixel_row* row, uint32_t u, const double* depths,
 		lwi_eight_pixels* out );
 	/// Lanes of a cube of eight voxels whose middle's pixel saw something behind them. @param middle of the cube, frame of the view

@@ -164,7 +164,7 @@ void workInterruptibly( const std::function<void()>& work, const std::function<v
 		{
 			done.get();
 		}
-		catch ( ... ) // of no use to a caller who leaves
+		catch ( ... ) // after Ctrl-C the caller gets KeyboardInterrupt in place of this error
 		{
 			if ( !interrupted )
 			{

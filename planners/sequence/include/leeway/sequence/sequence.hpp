@@ -54,7 +54,7 @@ struct Motion
 	bool is_line = false;
 	double position_error = 0, angle_error = 0; ///< of a line, proved: lines::Result
 	std::size_t goals = 0;                      ///< of a motion to a goal: those from which the lines behind were found
-	std::size_t tried = 0;                      ///< of these, in vain
+	std::size_t tried = 0;                      ///< of these, goals from which a later leg was not found
 };
 
 struct Result
