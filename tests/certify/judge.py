@@ -165,12 +165,26 @@ class Side:
         self.shape, self.less = shape
         self.owner, self.pose = placed["owner"], matrix_of(placed["pose"])
         low, high = numpy.clip(self.shape.bounds, -1e9, 1e9)
-        self.middle, self.radius = numpy.append((low + high) / 2, 1), float(numpy.linalg.norm(high - low) / 2) + self.less
+        self.middle, self.half = numpy.append((low + high) / 2, 1), (high - low) / 2 + self.less
+        self.radius = float(numpy.linalg.norm(high - low) / 2) + self.less
 
     def at(self, poses):
         """[states] poses and middles."""
         world = (poses[self.owner] if poses else numpy.eye(4)[None]) @ self.pose
         return world, world @ self.middle
+
+
+def gaps_of(a, b):
+    """[states]: no more than the distance of two sides. By the spheres around them and, where these are near, along the axes of the boxes around them."""
+    (side_a, world_a, middle_a), (side_b, world_b, middle_b) = a, b
+    way = (middle_b - middle_a)[:, :3]
+    gaps = numpy.linalg.norm(way, axis=1) - side_a.radius - side_b.radius
+    turn_a, turn_b = world_a[:, :3, :3], world_b[:, :3, :3]
+    turn = numpy.abs(numpy.swapaxes(turn_a, 1, 2) @ turn_b)
+    along_a, along_b = (numpy.abs((way[:, None, :] @ t)[:, 0, :]) for t in (turn_a, turn_b))
+    along_a = along_a - side_a.half - turn @ side_b.half
+    along_b = along_b - side_b.half - side_a.half @ turn
+    return numpy.maximum(gaps, numpy.maximum(along_a.max(axis=1), along_b.max(axis=1)) - ROUNDING)
 
 
 def contradiction(content, rng):
@@ -183,9 +197,8 @@ def contradiction(content, rng):
         side = Side(shapes[placed["shape"]], placed)
         places[id(placed)] = (side, *side.at(poses if moves else None))
     for a, b, _, margin in pairs_of(content):
-        (side_a, world_a, middle_a), (side_b, world_b, middle_b), need = places[id(a)], places[id(b)], max(TOUCH, content["min_d"] + margin - ROUNDING)
-        gaps = numpy.linalg.norm(middle_a - middle_b, axis=1) - side_a.radius - side_b.radius
-        for i in numpy.flatnonzero(gaps < need):
+        (side_a, world_a, _), (side_b, world_b, _), need = places[id(a)], places[id(b)], max(TOUCH, content["min_d"] + margin - ROUNDING)
+        for i in numpy.flatnonzero(gaps_of(places[id(a)], places[id(b)]) < need):
             found = leeway.distance(side_a.shape, world_a[i], side_b.shape, world_b[i if len(world_b) > 1 else 0])
             if found.upper - side_a.less - side_b.less < need:
                 return f"body of link {a['owner']} and that of {b['owner']} are {found.upper:.9g} apart at {states[i].tolist()}"
