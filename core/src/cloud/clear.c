@@ -306,9 +306,10 @@ static void clear_block( clearer* c, uint32_t chunk_index, const int32_t first[3
 	}
 	const lwi_block* known = lwi_is_made( is ) ? lwi_block_at( cloud, is ) : NULL;
 	uint64_t asked[LWI_BLOCK_WORDS], any = known == NULL;
+	const bool is_hit = known != NULL && lwi_times_at( cloud, is )->frame == cloud->frame;
 	for ( uint32_t w = 0; known != NULL && w < LWI_BLOCK_WORDS; ++w )
 	{
-		const uint64_t hit = known->frame == cloud->frame ? known->hit[w] : 0;
+		const uint64_t hit = is_hit ? known->hit[w] : 0;
 		asked[w] = ( known->occupied[w] & ~hit ) | ( cloud->def.unseen_blocked ? ~known->seen[w] : 0 );
 		any |= asked[w];
 	}
@@ -355,21 +356,6 @@ static void clear_block( clearer* c, uint32_t chunk_index, const int32_t first[3
 	}
 }
 
-/// Has the memory of a block brought near before it is read.
-static void expect_block( const lw_cloud* cloud, uint32_t chunk, uint32_t b )
-{
-#if defined( __GNUC__ )
-	const uint32_t is = b < LWI_CHUNK_BLOCKS ? lwi_chunk_at( cloud, chunk )->blocks[b] : LWI_ALL_FREE;
-	if ( lwi_is_made( is ) )
-	{
-		const lwi_block* block = lwi_block_at( cloud, is );
-		__builtin_prefetch( block->occupied );
-		__builtin_prefetch( block->hit );
-		__builtin_prefetch( &block->frame );
-	}
-#endif
-}
-
 static void clear_chunk( clearer* c, size_t place )
 {
 	lw_cloud* cloud = c->cloud;
@@ -397,7 +383,7 @@ static void clear_chunk( clearer* c, size_t place )
 	is = lwi_chunk_make( cloud, place );
 	for ( uint32_t b = 0; is != LW_INVALID_INDEX && b < LWI_CHUNK_BLOCKS; ++b )
 	{
-		expect_block( cloud, is, b + AHEAD );
+		lwi_block_expect( cloud, b + AHEAD < LWI_CHUNK_BLOCKS ? lwi_chunk_at( cloud, is )->blocks[b + AHEAD] : LWI_ALL_FREE );
 		clear_block( c, is, corner, b );
 	}
 }

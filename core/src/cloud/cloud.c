@@ -351,6 +351,7 @@ uint32_t lwi_block_make( lw_cloud* cloud, uint32_t chunk_index, uint32_t b )
 	}
 	lwi_block* block = lwi_block_at( cloud, index );
 	memset( block, 0, sizeof( *block ) ); // stamps are those of occupied voxels only
+	*lwi_times_at( cloud, index ) = ( lwi_block_times ){ 0 };
 	int32_t corner[3];
 	lwi_block_corner( cloud, chunk->place, b, corner );
 	for ( uint32_t w = 0; w < LWI_BLOCK_WORDS && cloud->def.unseen_blocked; ++w )
@@ -454,28 +455,30 @@ void lwi_stamp_begin( lw_cloud* cloud, double stamp )
 void lwi_block_begin_frame( lw_cloud* cloud, uint32_t index )
 {
 	lwi_block* block = lwi_block_at( cloud, index );
+	lwi_block_times* times = lwi_times_at( cloud, index );
 	uint32_t* stamps = lwi_stamps_at( cloud, index );
 	for ( uint32_t w = 0; w < LWI_BLOCK_WORDS; ++w )
 	{
 		for ( uint64_t left = block->before[w] & ~block->hit[w]; left != 0; left &= left - 1 )
 		{
-			stamps[w << 6 | lwi_lowest( left )] = block->before_stamp;
+			stamps[w << 6 | lwi_lowest( left )] = times->before_stamp;
 		}
 		block->before[w] = block->hit[w];
 		block->hit[w] = 0;
 	}
-	block->frame = cloud->frame;
-	block->before_stamp = block->hit_stamp;
+	times->frame = cloud->frame;
+	times->before_stamp = times->hit_stamp;
 	// sensors may come in any order: then a voxel counts as hit later than it was, and stays longer
-	block->hit_stamp = block->hit_stamp > cloud->now ? block->hit_stamp : cloud->now;
+	times->hit_stamp = times->hit_stamp > cloud->now ? times->hit_stamp : cloud->now;
 }
 
 uint64_t lwi_older_bits( const lw_cloud* cloud, uint32_t index, uint32_t w, uint64_t asked, uint32_t stamp )
 {
 	const lwi_block* block = lwi_block_at( cloud, index );
+	const lwi_block_times* times = lwi_times_at( cloud, index );
 	const uint32_t* stamps = lwi_stamps_at( cloud, index );
 	const uint64_t hit = block->hit[w], before = block->before[w] & ~hit;
-	uint64_t older = ( block->hit_stamp < stamp ? asked & hit : 0 ) | ( block->before_stamp < stamp ? asked & before : 0 );
+	uint64_t older = ( times->hit_stamp < stamp ? asked & hit : 0 ) | ( times->before_stamp < stamp ? asked & before : 0 );
 	for ( uint64_t left = asked & ~( hit | before ); left != 0; left &= left - 1 )
 	{
 		const uint32_t bit = lwi_lowest( left );

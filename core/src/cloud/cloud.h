@@ -33,20 +33,25 @@ typedef struct lwi_block
 	uint64_t occupied[LWI_BLOCK_WORDS];
 	uint64_t hit[LWI_BLOCK_WORDS], before[LWI_BLOCK_WORDS];
 	uint64_t seen[LWI_BLOCK_WORDS]; ///< free or occupied; of clouds whose unseen voxels are blocked, else not used
-	uint32_t frame;                 ///< number of the frame of `hit`
-	uint32_t hit_stamp, before_stamp;
-	uint32_t unused[13]; ///< to the end of the fifth cache line
 } lwi_block;
+
+/// The frames of a block's hits.
+typedef struct lwi_block_times
+{
+	uint32_t frame; ///< number of the frame of `hit`
+	uint32_t hit_stamp, before_stamp;
+} lwi_block_times;
 
 enum
 {
 	LWI_SLAB_BLOCKS = 64
 };
 
-/// Memory of blocks. Each point of a frame needs the blocks themselves, few need stamps: they are apart.
+/// Memory of blocks. Each frame asks for the times of all blocks in view, and for some of their bits; few points need stamps: they are apart.
 typedef struct lwi_slab
 {
 	lwi_block blocks[LWI_SLAB_BLOCKS];
+	lwi_block_times times[LWI_SLAB_BLOCKS];
 	uint32_t stamps[LWI_SLAB_BLOCKS][LWI_BLOCK_VOXELS]; ///< milliseconds since the cloud's beginning, rounded up
 } lwi_slab;
 
@@ -124,6 +129,27 @@ static inline lwi_chunk* lwi_chunk_at( const lw_cloud* cloud, uint32_t chunk )
 static inline lwi_block* lwi_block_at( const lw_cloud* cloud, uint32_t block )
 {
 	return &( (lwi_slab**)cloud->slabs.data )[block / LWI_SLAB_BLOCKS]->blocks[block % LWI_SLAB_BLOCKS];
+}
+static inline lwi_block_times* lwi_times_at( const lw_cloud* cloud, uint32_t block )
+{
+	return &( (lwi_slab**)cloud->slabs.data )[block / LWI_SLAB_BLOCKS]->times[block % LWI_SLAB_BLOCKS];
+}
+/// Has the memory of a block brought near before it is read. @param block LWI_ALL_FREE and LWI_ALL_UNSEEN have none
+static inline void lwi_block_expect( const lw_cloud* cloud, uint32_t block )
+{
+#if defined( __GNUC__ )
+	if ( lwi_is_made( block ) )
+	{
+		const lwi_block* at = lwi_block_at( cloud, block );
+		__builtin_prefetch( at->occupied );
+		__builtin_prefetch( at->hit );
+		__builtin_prefetch( at->before );
+		__builtin_prefetch( lwi_times_at( cloud, block ) );
+	}
+#else
+	(void)cloud;
+	(void)block;
+#endif
 }
 static inline uint32_t* lwi_stamps_at( const lw_cloud* cloud, uint32_t block )
 {

@@ -181,6 +181,7 @@ typedef struct inserter
 	lwi_voxel_grid grid;
 	/// By their numbers in chunks: points of a surface go to and fro between neighbours
 	entered last[LWI_CHUNK_BLOCKS];
+	uint32_t expected[LWI_CHUNK_BLOCKS]; ///< places of blocks whose memory was asked for
 } inserter;
 
 static inserter begin_insert( lw_cloud* cloud, const lwi_own_body* bodies, uint32_t body_count, lw_cloud_report* report )
@@ -195,7 +196,7 @@ static inserter begin_insert( lw_cloud* cloud, const lwi_own_body* bodies, uint3
 	}
 	for ( int i = 0; i < LWI_CHUNK_BLOCKS; ++i )
 	{
-		in.last[i].place = LW_INVALID_INDEX;
+		in.last[i].place = in.expected[i] = LW_INVALID_INDEX;
 	}
 	return in;
 }
@@ -230,7 +231,7 @@ static void make_block( lw_cloud* cloud, entered* out )
 	}
 	out->chunk = lwi_chunk_at( cloud, chunk );
 	out->block = lwi_block_at( cloud, block );
-	if ( out->block->frame != cloud->frame )
+	if ( lwi_times_at( cloud, block )->frame != cloud->frame )
 	{
 		lwi_block_begin_frame( cloud, block );
 	}
@@ -293,6 +294,31 @@ static void insert_eight( inserter* in, const lwi_eight_pixels* eight )
 		}
 		++in->report->inserted;
 		e->block->hit[voxel / 64] |= (uint64_t)1 << voxel % 64;
+	}
+}
+
+/// Has the memory of a point's block brought near. @param place as in lwi_eight_pixels
+static void expect_point( inserter* in, uint32_t place )
+{
+	const uint32_t b = place % LWI_CHUNK_BLOCKS, chunk = in->cloud->table[place / LWI_CHUNK_BLOCKS];
+	if ( in->expected[b] != place && lwi_is_made( chunk ) )
+	{
+		in->expected[b] = place;
+		lwi_block_expect( in->cloud, lwi_chunk_at( in->cloud, chunk )->blocks[b] );
+	}
+}
+
+/// The same of the first and the last of eight points in range: those between are mostly in the same blocks.
+static void expect_points( inserter* in, const lwi_eight_pixels* eight )
+{
+	const uint32_t inside = eight->in_range & eight->in_grid;
+	if ( ( inside & 1u ) != 0 )
+	{
+		expect_point( in, eight->place[0] );
+	}
+	if ( ( inside & 0x80u ) != 0 )
+	{
+		expect_point( in, eight->place[7] );
 	}
 }
 
@@ -430,27 +456,26 @@ typedef struct rays_of_depth
 	float* ends;    ///< [SQUARE][stride] depths that the rays clear to, 0 if a pixel says nothing
 } rays_of_depth;
 
-/// Inserts the points of a row's pixels from `left` to `right` and notes where their rays end.
-static void insert_pixels( inserter* in, const lwi_pixel_row* row, const double* depths, uint32_t left, uint32_t right,
-	float* ends )
+/// The points of a row's pixels from `left` to `right`. Notes where their rays end. @param eight [(right - left + 7) / 8]
+static void look_at_pixels( inserter* in, const lwi_pixel_row* row, const double* depths, uint32_t left, uint32_t right,
+	float* ends, lwi_eight_pixels* eight )
 {
-	lw_cloud_report* report = in->report;
-	for ( uint32_t u = left; u < right; u += LWI_WIDTH )
+	for ( uint32_t u = left; u < right; u += LWI_WIDTH, ++eight )
 	{
-		lwi_eight_pixels eight;
-		in->cloud->kernels->pixel_voxels( &in->grid, row, u, depths + u, &eight );
-		memcpy( ends + u, eight.rays, sizeof( eight.rays ) );
-		if ( eight.in_range != 0xff )
+		in->cloud->kernels->pixel_voxels( &in->grid, row, u, depths + u, eight );
+		memcpy( ends + u, eight->rays, sizeof( eight->rays ) );
+		if ( eight->in_range != 0xff )
 		{
 			const uint32_t count = right - u < LWI_WIDTH ? right - u : LWI_WIDTH;
-			report->not_measured += count - lwi_bits( eight.measured );
-			report->out_of_range += lwi_bits( eight.measured & ~eight.in_range );
+			in->report->not_measured += count - lwi_bits( eight->measured );
+			in->report->out_of_range += lwi_bits( eight->measured & ~eight->in_range );
 		}
-		insert_eight( in, &eight );
+		expect_points( in, eight );
 	}
 }
 
-/// Inserts the points of some rows: square by square, for neighbours fall into the same blocks.
+/// Inserts the points of some rows: square by square, for neighbours fall into the same blocks. The voxels of a square are known before the first of
+/// them is inserted, so that the memory of its blocks comes near meanwhile.
 static void insert_band( inserter* in, const lw_cloud_frame* frame, const rays_of_depth* rays, uint32_t top,
 	uint32_t bottom )
 {
@@ -461,14 +486,21 @@ static void insert_band( inserter* in, const lw_cloud_frame* frame, const rays_o
 		.most = frame->trust_far ? INFINITY : DBL_MAX,
 		.beyond = frame->trust_far ? frame->far : 0 };
 	memcpy( row.t, frame->world_from_sensor.t, sizeof( row.t ) );
+	lwi_eight_pixels square[SQUARE * SQUARE / LWI_WIDTH];
 	for ( uint32_t left = 0; left < width; left += SQUARE )
 	{
 		const uint32_t right = left + SQUARE < width ? left + SQUARE : width;
+		uint32_t count = 0;
 		for ( uint32_t v = top; v < bottom; ++v )
 		{
 			const size_t begin = (size_t)( v % SQUARE ) * rays->stride;
 			memcpy( row.row, rays->rows[v], sizeof( row.row ) );
-			insert_pixels( in, &row, rays->depths + begin, left, right, rays->ends + begin );
+			look_at_pixels( in, &row, rays->depths + begin, left, right, rays->ends + begin, square + count );
+			count += ( right - left + LWI_WIDTH - 1 ) / LWI_WIDTH;
+		}
+		for ( uint32_t i = 0; i < count; ++i )
+		{
+			insert_eight( in, square + i );
 		}
 	}
 }
