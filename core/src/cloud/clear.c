@@ -383,7 +383,8 @@ static void clear_chunk( clearer* c, size_t place )
 	is = lwi_chunk_make( cloud, place );
 	for ( uint32_t b = 0; is != LW_INVALID_INDEX && b < LWI_CHUNK_BLOCKS; ++b )
 	{
-		lwi_block_expect( cloud, b + AHEAD < LWI_CHUNK_BLOCKS ? lwi_chunk_at( cloud, is )->blocks[b + AHEAD] : LWI_ALL_FREE );
+		const uint32_t ahead = b + AHEAD < LWI_CHUNK_BLOCKS ? b + AHEAD : b;
+		lwi_block_expect( cloud, lwi_chunk_at( cloud, is )->blocks[ahead] );
 		clear_block( c, is, corner, b );
 	}
 }
