@@ -174,17 +174,18 @@ class Side:
         return world, world @ self.middle
 
 
-def gaps_of(a, b):
-    """[states]: no more than the distance of two sides. By the spheres around them and, where these are near, along the axes of the boxes around them."""
+def near_states(a, b, need):
+    """States in which two sides may be nearer: by the spheres around them, and then along the axes of the boxes around them."""
     (side_a, world_a, middle_a), (side_b, world_b, middle_b) = a, b
     way = (middle_b - middle_a)[:, :3]
-    gaps = numpy.linalg.norm(way, axis=1) - side_a.radius - side_b.radius
-    turn_a, turn_b = world_a[:, :3, :3], world_b[:, :3, :3]
+    near = numpy.flatnonzero((way * way).sum(axis=1) < (side_a.radius + side_b.radius + need) ** 2)
+    if len(near) == 0:
+        return near
+    way, turn_a, turn_b = way[near], *((w[near] if len(w) > 1 else w)[:, :3, :3] for w in (world_a, world_b))
     turn = numpy.abs(numpy.swapaxes(turn_a, 1, 2) @ turn_b)
-    along_a, along_b = (numpy.abs((way[:, None, :] @ t)[:, 0, :]) for t in (turn_a, turn_b))
-    along_a = along_a - side_a.half - turn @ side_b.half
-    along_b = along_b - side_b.half - side_a.half @ turn
-    return numpy.maximum(gaps, numpy.maximum(along_a.max(axis=1), along_b.max(axis=1)) - ROUNDING)
+    along_a, along_b = (numpy.abs((way[:, :, None] * t).sum(axis=1)) for t in (turn_a, turn_b))
+    gaps = numpy.maximum((along_a - side_a.half - turn @ side_b.half).max(axis=1), (along_b - side_b.half - side_a.half @ turn).max(axis=1))
+    return near[gaps < need + ROUNDING]
 
 
 def contradiction(content, rng):
@@ -198,7 +199,7 @@ def contradiction(content, rng):
         places[id(placed)] = (side, *side.at(poses if moves else None))
     for a, b, _, margin in pairs_of(content):
         (side_a, world_a, _), (side_b, world_b, _), need = places[id(a)], places[id(b)], max(TOUCH, content["min_d"] + margin - ROUNDING)
-        for i in numpy.flatnonzero(gaps_of(places[id(a)], places[id(b)]) < need):
+        for i in near_states(places[id(a)], places[id(b)], need):
             found = leeway.distance(side_a.shape, world_a[i], side_b.shape, world_b[i if len(world_b) > 1 else 0])
             if found.upper - side_a.less - side_b.less < need:
                 return f"body of link {a['owner']} and that of {b['owner']} are {found.upper:.9g} apart at {states[i].tolist()}"
