@@ -52,7 +52,7 @@ def limits_hold(printed):
 
 
 def test_examples_are_there():
-    assert [script.name[:2] for script in SCRIPTS] == ["01", "02", "03", "04", "05", "06", "07"]
+    assert [script.name[:2] for script in SCRIPTS] == ["01", "02", "03", "04", "05", "06", "07", "08"]
 
 
 def test_script_of_the_readme_runs(tmp_path):
