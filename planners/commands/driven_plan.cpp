@@ -1,10 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The proof, the certificate and the page are of the motion that a reader of the trajectory's file drives.
 #include "commands/driven_plan.hpp"
+#include "commands/limits_file.hpp"
 #include "motions/report.hpp"
 
 namespace leeway::cli
 {
+
+void fill( motions::MotionSettings& settings, const PlanOptions& options, const Input& input, const io::Problem& problem,
+    const JointLimits& limits, Notices& notices )
+{
+	settings.edge.min_d = options.common.min_d;
+	settings.edge.flags = options.common.checkFlags();
+	settings.edge.slack = options.edge.slack;
+	settings.limits = motionLimits( problem, input.robot, limits );
+	noteUsual( settings.limits, notices );
+	settings.seed = options.seed;
+}
 
 DrivenPlan::DrivenPlan( const PlanOptions& options )
     : m_options( options ), m_timed( "--trajectory", options.trajectory ), m_report( "--report", options.report ),

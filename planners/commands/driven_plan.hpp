@@ -10,6 +10,10 @@
 namespace leeway::cli
 {
 
+/// The options' part of what a planner of cubics is asked for. Notices name joints with a usual limit.
+void fill( motions::MotionSettings& settings, const PlanOptions& options, const Input& input, const io::Problem& problem,
+    const JointLimits& limits, Notices& notices );
+
 /// Results of plan --line and of plans with constraints. Files are opened at once.
 class DrivenPlan
 {

@@ -253,12 +253,7 @@ int runLine( const PlanOptions& options )
 		throw io::Error( ends.start.file, ends.start.element, violations.front(), "start within the limits" );
 	}
 	lines::Settings settings;
-	settings.edge.min_d = options.common.min_d;
-	settings.edge.flags = options.common.checkFlags();
-	settings.edge.slack = options.edge.slack;
-	settings.limits = motionLimits( problem, input.robot, limits );
-	noteUsual( settings.limits, notices );
-	settings.seed = options.seed;
+	fill( settings, options, input, problem, limits, notices );
 	settings.attempts = options.line.attempts;
 	lines::Task task = taskOf( options.line, problem, path.way ? &*path.way : nullptr, options.common.request );
 	task.path = path;

@@ -131,12 +131,7 @@ int runConstrainedPlan( const PlanOptions& options )
 	const Workbench bench( input, ends.group, {}, notices );
 	const io::Problem& problem = bench.problem();
 	manifold::Settings settings;
-	settings.edge.min_d = options.common.min_d;
-	settings.edge.flags = options.common.checkFlags();
-	settings.edge.slack = options.edge.slack;
-	settings.limits = motionLimits( problem, input.robot, limits );
-	noteUsual( settings.limits, notices );
-	settings.seed = options.seed;
+	fill( settings, options, input, problem, limits, notices );
 	settings.seconds = timeLimit( options, *input.request );
 	settings.shortcuts = options.simplify ? settings.shortcuts : 0;
 	const manifold::Task task = taskOf( options, input, bench, ends, path, settings.edge );

@@ -43,29 +43,19 @@ void refuseSingle( const PlanOptions& options )
 	requireLineNumbers( options.line );
 }
 
-/// Proofs of each leg's constraints along its path. @return true: all are kept
-bool proveLegs( const io::Problem& problem, const io::PathConstraints& path, const sequence::Result& plan,
-    const std::vector<Segment>& segments, Json& json, std::string& text )
+/// The proofs of each leg's constraints, in the report and in words. @return true: all are kept
+bool tell( const std::vector<std::vector<ConstraintProof>>& legs, Json& json, std::string& text )
 {
 	bool kept = true;
-	for ( std::size_t i = 0; i < plan.legs.size(); ++i )
+	for ( std::size_t i = 0; i < legs.size(); ++i )
 	{
-		const io::PathConstraints& own = path.items[i].path;
-		const sequence::Motion& leg = plan.legs[i];
-		if ( own.empty() || leg.count == 0 )
-		{
-			continue;
-		}
-		const auto first = segments.begin() + static_cast<std::ptrdiff_t>( leg.first );
-		const std::vector<ConstraintProof> proofs =
-		    proveConstraints( problem, own, { first, first + static_cast<std::ptrdiff_t>( leg.count ) }, {} );
-		kept = kept && areKept( proofs );
-		std::istringstream lines( motions::describe( proofs ) );
+		kept = kept && areKept( legs[i] );
+		std::istringstream lines( motions::describe( legs[i] ) );
 		for ( std::string line; std::getline( lines, line ); )
 		{
 			text += fmt::format( "leg {}: {}\n", i + 1, line );
 		}
-		for ( const ConstraintProof& proof : proofs )
+		for ( const ConstraintProof& proof : legs[i] )
 		{
 			json["legs"][i]["path_constraints"].push_back(
 			    { { "constraint", proof.element }, { "verdict", lw_verdict_name( proof.verdict ) } } );
@@ -104,18 +94,6 @@ Json reportOf( const sequence::Result& plan )
 	return json;
 }
 
-sequence::Settings settingsOf( const PlanOptions& options, const io::Request& request )
-{
-	sequence::Settings settings;
-	settings.edge.min_d = options.common.min_d;
-	settings.edge.flags = options.common.checkFlags();
-	settings.edge.slack = options.edge.slack;
-	settings.seed = options.seed;
-	settings.seconds = timeLimit( options, request );
-	settings.shortcuts = options.simplify ? settings.shortcuts : 0;
-	return settings;
-}
-
 } // namespace
 
 int runSequence( const PlanOptions& options )
@@ -136,9 +114,10 @@ int runSequence( const PlanOptions& options )
 	const Workbench bench( input, ends.group, {}, notices );
 	const io::Problem& problem = bench.problem();
 	requireUsable( options, bench, ends.start, io::startState( problem ) );
-	sequence::Settings settings = settingsOf( options, *input.request );
-	settings.limits = motionLimits( problem, input.robot, limits );
-	noteUsual( settings.limits, notices );
+	sequence::Settings settings;
+	fill( settings, options, input, problem, limits, notices );
+	settings.seconds = timeLimit( options, *input.request );
+	settings.shortcuts = options.simplify ? settings.shortcuts : 0;
 	const std::vector<sequence::Leg> legs = sequence::legsOf( problem, path, commonTask( options.line ) );
 	const sequence::Result plan = sequence::planSequence( input.robot, problem, legs, settings );
 	Json report = reportOf( plan );
@@ -154,7 +133,7 @@ int runSequence( const PlanOptions& options )
 	{
 		const std::vector<Segment>& segments = driven.drive( problem, input, plan.segments, limits, "the sequence" );
 		std::string proofs;
-		good = proveLegs( problem, path, plan, segments, report, proofs ) && driven.isProved();
+		good = tell( sequence::proveLegs( problem, path, plan, segments ), report, proofs ) && driven.isProved();
 		text += driven.told() + proofs;
 	}
 	report["good"] = good;

@@ -177,11 +177,7 @@ private:
 	{
 		lines::Task task = *m_units[unit].line;
 		task.start = start;
-		lines::Settings settings;
-		settings.edge = m_settings.edge;
-		settings.limits = m_settings.limits;
-		settings.seed = m_settings.seed;
-		settings.attempts = attempts;
+		lines::Settings settings{ m_settings, attempts };
 		settings.stop = [this] { return isOver(); };
 		step.unit = unit;
 		step.line = lines::planLines( m_robot, m_problem, task, settings );
@@ -261,13 +257,8 @@ private:
 		manifold::Task task;
 		task.start = start;
 		task.goals = goals;
-		manifold::Settings settings;
-		settings.edge = m_settings.edge;
-		settings.limits = m_settings.limits;
-		settings.seed = m_settings.seed;
+		manifold::Settings settings = m_settings;
 		settings.seconds = share( last_choice );
-		settings.shortcuts = m_settings.shortcuts;
-		settings.stop = m_settings.stop;
 		const manifold::Result plan = manifold::planPath( m_robot, m_problem, m_legs[leg].path, task, settings );
 		if ( !plan.solved() )
 		{
@@ -428,6 +419,24 @@ std::vector<Leg> legsOf( const io::Problem& problem, const io::PathConstraints& 
 		legs.push_back( std::move( leg ) );
 	}
 	return legs;
+}
+
+std::vector<std::vector<motions::ConstraintProof>> proveLegs( const io::Problem& problem,
+    const io::PathConstraints& sequence, const Result& plan, const std::vector<motions::Segment>& segments )
+{
+	std::vector<std::vector<motions::ConstraintProof>> proofs( plan.legs.size() );
+	for ( std::size_t i = 0; i < plan.legs.size(); ++i )
+	{
+		const io::PathConstraints& own = sequence.items[i].path;
+		const Motion& leg = plan.legs[i];
+		if ( !own.empty() && leg.count > 0 )
+		{
+			const auto first = segments.begin() + static_cast<std::ptrdiff_t>( leg.first );
+			proofs[i] =
+			    motions::proveConstraints( problem, own, { first, first + static_cast<std::ptrdiff_t>( leg.count ) }, {} );
+		}
+	}
+	return proofs;
 }
 
 } // namespace leeway::sequence

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Checker.plan_request(), and the limits of a motion, which Checker.plan_line() takes too.
+// Checker.plan_request() and plan_sequence(), and what all planners of cubics are asked for.
 #pragma once
 
 #include "objects.hpp"
@@ -14,6 +14,10 @@ namespace leeway::python
 /// Limits of a motion: those of the arguments; None: of the robot, for accelerations 1.
 /// @throws nb::value_error for another shape, or a limit that is not above 0
 motions::MotionLimits limitsOf( const PyChecker& checker, const nb::object& velocity, const nb::object& acceleration );
+
+/// What a planner of cubics is asked for, but its `stop`. @throws as limitsOf()
+motions::MotionSettings askedOf( const PyChecker& checker, double min_d, double slack, const std::string& check,
+    const Whole& seed, const nb::object& velocity, const nb::object& acceleration );
 
 void bindConstrained( nb::class_<PyChecker>& type );
 

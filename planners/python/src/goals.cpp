@@ -310,11 +310,8 @@ nb::object planLine( const PyChecker& checker, const std::string& link, const nb
 	task.tolerance = tolerance;
 	task.angle = angle;
 	task.speed = speed;
-	lines::Settings settings;
-	settings.edge.min_d = min_d;
-	settings.edge.flags = checkFlags( check );
-	settings.limits = limitsOf( checker, velocity, acceleration );
-	settings.seed = seed.seed();
+	const double slack = lw_edge_def_default().slack;
+	lines::Settings settings{ askedOf( checker, min_d, slack, check, seed, velocity, acceleration ) };
 	settings.attempts = attempts.in( "attempts", 1, std::numeric_limits<std::uint32_t>::max() );
 	lines::Result line;
 	std::atomic<bool> stopped = false;

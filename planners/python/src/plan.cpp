@@ -425,12 +425,7 @@ nb::object planRequest( const PyChecker& checker, const nb::object& request, con
 {
 	const io::Problem& problem = *checker.problem;
 	const Asked asked = askedOf( checker, request, start, goal );
-	manifold::Settings settings;
-	settings.edge.min_d = min_d;
-	settings.edge.slack = slack;
-	settings.edge.flags = checkFlags( check );
-	settings.limits = limitsOf( checker, velocity, acceleration );
-	settings.seed = seed.seed();
+	manifold::Settings settings{ askedOf( checker, min_d, slack, check, seed, velocity, acceleration ) };
 	settings.seconds = std::isfinite( seconds )                  ? seconds
 	                   : asked.request.allowed_planning_time > 0 ? asked.request.allowed_planning_time
 	                                                             : settings.seconds;
@@ -527,14 +522,13 @@ nb::object sequenceOf( const PyChecker& checker, const io::PathConstraints& path
 		    motions::auditTrajectory( problem, *checker.model, "the sequence", segments, as_driven );
 		solved = audit.valid();
 		message = solved ? message : motions::describe( audit );
-		for ( std::size_t i = 0; i < plan.legs.size(); ++i )
+		const std::vector<std::vector<motions::ConstraintProof>> proofs =
+		    sequence::proveLegs( problem, path, plan, segments );
+		for ( std::size_t i = 0; i < proofs.size(); ++i )
 		{
-			const auto first = segments.begin() + static_cast<std::ptrdiff_t>( plan.legs[i].first );
-			const std::vector<motions::ConstraintProof> proofs = motions::proveConstraints(
-			    problem, path.items[i].path, { first, first + static_cast<std::ptrdiff_t>( plan.legs[i].count ) }, {} );
-			solved = solved && motions::areKept( proofs );
-			message +=
-			    motions::areKept( proofs ) ? std::string() : path.items[i].element + ": " + motions::describe( proofs );
+			const bool kept = motions::areKept( proofs[i] );
+			solved = solved && kept;
+			message += kept ? std::string() : path.items[i].element + ": " + motions::describe( proofs[i] );
 		}
 	}
 	const PointArrays points( file, solved, checker.variables() );
@@ -579,12 +573,7 @@ nb::object planSequence( const PyChecker& checker, const nb::object& items, cons
 			legs[i].goals.emplace_back( rows[k], rows[k] + checker.variables() );
 		}
 	}
-	sequence::Settings settings;
-	settings.edge.min_d = min_d;
-	settings.edge.slack = slack;
-	settings.edge.flags = checkFlags( check );
-	settings.limits = limitsOf( checker, velocity, acceleration );
-	settings.seed = seed.seed();
+	sequence::Settings settings{ { askedOf( checker, min_d, slack, check, seed, velocity, acceleration ) } };
 	settings.seconds = std::isfinite( seconds )            ? seconds
 	                   : request.allowed_planning_time > 0 ? request.allowed_planning_time
 	                                                       : settings.seconds;
@@ -623,6 +612,18 @@ motions::MotionLimits limitsOf( const PyChecker& checker, const nb::object& velo
 		}
 	}
 	return limits;
+}
+
+motions::MotionSettings askedOf( const PyChecker& checker, double min_d, double slack, const std::string& check,
+    const Whole& seed, const nb::object& velocity, const nb::object& acceleration )
+{
+	motions::MotionSettings settings;
+	settings.edge.min_d = min_d;
+	settings.edge.slack = slack;
+	settings.edge.flags = checkFlags( check );
+	settings.limits = limitsOf( checker, velocity, acceleration );
+	settings.seed = seed.seed();
+	return settings;
 }
 
 void bindConstrained( nb::class_<PyChecker>& type )

@@ -54,13 +54,9 @@ struct Task
 	io::PathConstraints path;
 };
 
-struct Settings
+struct Settings : motions::MotionSettings
 {
-	lw_edge_def edge = lw_edge_def_default(); ///< min_d, flags, slack
-	motions::MotionLimits limits;             ///< motions::motionLimits()
-	std::uint64_t seed = 1;                   ///< equal seeds give equal answers
 	std::size_t attempts = 100; ///< ways to follow the reference, at most; 8 if 200 draws find no state at its end
-	std::function<bool()> stop; ///< asked before each attempt; true ends the work; may be empty
 };
 
 enum class Obstacle

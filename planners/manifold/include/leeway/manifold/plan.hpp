@@ -30,15 +30,11 @@ struct Task
 	bool mend_start = false;
 };
 
-struct Settings
+struct Settings : motions::MotionSettings
 {
-	lw_edge_def edge = lw_edge_def_default(); ///< min_d, flags, slack
-	motions::MotionLimits limits;             ///< motions::motionLimits()
-	std::uint64_t seed = 1;                   ///< equal seeds give equal plans, unless the time is over
-	double seconds = 60;                      ///< of the search
-	std::size_t most_nodes = 100000;          ///< of both trees
-	unsigned shortcuts = 100;                 ///< tried
-	std::function<bool()> stop; ///< asked now and then; true ends the search, as if the time were over; may be empty
+	double seconds = 60;             ///< of the search
+	std::size_t most_nodes = 100000; ///< of both trees
+	unsigned shortcuts = 100;        ///< tried
 };
 
 enum class Outcome

@@ -5,6 +5,8 @@
 #include "leeway/motions/trajectory.hpp"
 
 #include <cmath>
+#include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -30,6 +32,15 @@ constexpr double default_jerk = 10;
 /// Those of `limits`, else of the robot (its acceleration and jerk are of URDF 1.2), else the defaults.
 /// @throws io::Error for a joint without a velocity limit, and for floating joints
 MotionLimits motionLimits( const io::Problem& problem, const io::RobotModel& robot, const JointLimits& limits );
+
+/// What planners of cubics are asked for: on constraints, along lines, in sequences.
+struct MotionSettings
+{
+	lw_edge_def edge = lw_edge_def_default(); ///< min_d, flags, slack
+	MotionLimits limits;                      ///< motionLimits()
+	std::uint64_t seed = 1;                   ///< equal seeds give equal plans, unless the time is over
+	std::function<bool()> stop; ///< asked now and then; true ends the work, as if the time were over; may be empty
+};
 
 struct TimingSettings
 {

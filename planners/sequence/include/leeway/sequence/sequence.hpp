@@ -14,6 +14,7 @@
 
 #include "leeway/lines/lines.hpp"
 #include "leeway/manifold/plan.hpp"
+#include "leeway/motions/path_constraints.hpp"
 
 #include <functional>
 
@@ -34,16 +35,11 @@ struct Leg
 	double blend = 0;
 };
 
-struct Settings
+/// Those of each motion to a goal; `seconds` are for all legs, `edge`, `limits`, `seed` and `stop` are those of lines too.
+struct Settings : manifold::Settings
 {
-	lw_edge_def edge = lw_edge_def_default(); ///< min_d, flags, slack
-	motions::MotionLimits limits;             ///< motions::motionLimits()
-	std::uint64_t seed = 1;                   ///< equal seeds give equal plans, unless the time is over
-	double seconds = 60;                      ///< for all legs
-	unsigned shortcuts = 100;                 ///< tried in each motion to a goal
-	std::size_t states = 16;                  ///< goals of a pose, at most
-	std::size_t attempts = 20;                ///< to follow a line from one state; from the first state five times as many
-	std::function<bool()> stop;               ///< asked now and then; true ends the work; may be empty
+	std::size_t states = 16;   ///< goals of a pose, at most
+	std::size_t attempts = 20; ///< to follow a line from one state; from the first state five times as many
 };
 
 /// A leg of a plan.
@@ -80,6 +76,12 @@ Result planSequence( const io::RobotModel& robot, const io::Problem& problem, co
 /// Legs of a request's items. @param line frame offset, free axis, tolerances and speed of all lines
 /// @throws io::Error (a link or frame that is not there)
 std::vector<Leg> legsOf( const io::Problem& problem, const io::PathConstraints& sequence, const lines::Task& line );
+
+/// Proofs that each leg keeps its constraints along its path.
+/// @param sequence the request whose items are the legs @param segments as driven, those of Result::segments one by one
+/// @return of each leg, [legs]; empty without constraints, or if the plan is not solved
+std::vector<std::vector<motions::ConstraintProof>> proveLegs( const io::Problem& problem,
+    const io::PathConstraints& sequence, const Result& plan, const std::vector<motions::Segment>& segments );
 
 /// Lines for people.
 std::string describe( const Result& result );
