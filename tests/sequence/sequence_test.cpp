@@ -228,6 +228,35 @@ TEST( Sequence, ABlendThatCannotBeIsTaken )
 	expectError( "legs[2]", "no goal and no line" );
 }
 
+TEST( Sequence, OnlyTheFirstLegsConstraintsAreProved )
+{
+	// The second leg is planned without its constraint: the elbow goes from 0.3 to -1, and may not be below 0
+	SequenceWorld world;
+	world.toGoals( { { 0.5, 0.3 } } );
+	world.toGoals( { { 0.5, -1 } } );
+	const sequence::Result r = world.plan();
+	world.expectJoined( r );
+	const std::string goal = R"("goal_constraints": [{"joint_constraints": [{"joint_name": "elbow", "position": 0.3}]}])";
+	const auto pathOf = []( const char* position )
+	{
+		return std::string(
+		           R"("path_constraints": {"joint_constraints": [{"joint_name": "elbow", "tolerance_above": 1, )" ) +
+		       R"("tolerance_below": 1, "position": )" + position + "}]}";
+	};
+	io::PathConstraints path;
+	io::parseConstrainedRequest( "request",
+	    R"({"items": [{"req": {"start_state": {}, )" + goal + ", " + pathOf( "0.5" ) + R"(}}, {"req": {)" + goal + ", " +
+	        pathOf( "1" ) + "}}]}",
+	    path );
+	const std::vector<std::vector<motions::ConstraintProof>> proofs =
+	    sequence::proveLegs( world.problem, path, r, r.segments );
+	ASSERT_EQ( 2u, proofs.size() );
+	ASSERT_EQ( 1u, proofs[0].size() );
+	ASSERT_EQ( 1u, proofs[1].size() );
+	EXPECT_TRUE( motions::areKept( proofs[0] ) );
+	EXPECT_FALSE( motions::areKept( proofs[1] ) ) << motions::describe( proofs[1] );
+}
+
 TEST( Sequence, NobodyCanStopIt )
 {
 	SequenceWorld world( boxAt( "[0, -0.5, 0]", "[0.01, 0.9, 0.2]" ) );
