@@ -22,7 +22,7 @@ using State = Eigen::VectorXd;
 
 constexpr double thin_half = 0.02;     // metres or radians: half of a thin range is below this
 constexpr double inner_range = 0.9;    // of other ranges
-constexpr double joint_share = 1e-3;   // of a joint constraint's range, at each of its ends
+constexpr double joint_share = 1e-3;   // of a joint's range, and of a joint constraint's, at each of its ends
 constexpr double turn_length = 0.2;    // metres that count as much as a radian
 constexpr double solved_error = 1e-11; // metres, or radians times turn_length
 constexpr double touching = 1e-9;      // metres or radians, of a limit
@@ -74,6 +74,7 @@ struct Manifold::Parts
 	std::vector<ik::ChainFrame> bases, tips; ///< of poses
 	std::vector<Row> rows;
 	State lower, upper;
+	State inner_lower, inner_upper; ///< of projected states: a curve along a limit has no room to bend
 	ik::Twists twists;
 	std::vector<lw_region_errors> errors; ///< of poses
 	State values;                         ///< of rows
@@ -135,6 +136,14 @@ struct Manifold::Parts
 				throw io::Error( path.file, joint.element,
 				    "has no room within the joint's limits, or within its other constraints", "give ranges that overlap" );
 			}
+		}
+		inner_lower = lower;
+		inner_upper = upper;
+		for ( Eigen::Index i = 0; i < count; ++i )
+		{
+			const double room = std::isfinite( upper[i] - lower[i] ) ? joint_share * ( upper[i] - lower[i] ) : 0;
+			inner_lower[i] += room;
+			inner_upper[i] -= room;
 		}
 	}
 
@@ -228,7 +237,7 @@ struct Manifold::Parts
 			change = moved + solved( rest, weights, fixed, damping );
 			for ( Eigen::Index i = 0; i < q.size(); ++i )
 			{
-				const bool out = ( change[i] < 0 && q[i] <= lower[i] ) || ( change[i] > 0 && q[i] >= upper[i] );
+				const bool out = ( change[i] < 0 && q[i] <= inner_lower[i] ) || ( change[i] > 0 && q[i] >= inner_upper[i] );
 				if ( out && !fixed[static_cast<std::size_t>( i )] )
 				{
 					fixed[static_cast<std::size_t>( i )] = again = true;
@@ -242,7 +251,7 @@ struct Manifold::Parts
 
 	bool project( State& q )
 	{
-		q = q.cwiseMax( lower ).cwiseMin( upper );
+		q = q.cwiseMax( inner_lower ).cwiseMin( inner_upper );
 		State wanted( values.size() ), weights( values.size() );
 		const State none = State::Zero( q.size() );
 		double before = HUGE_VAL;
@@ -265,7 +274,7 @@ struct Manifold::Parts
 			const State change = solvedWithin( wanted, weights, q, none, damping );
 			const double largest = change.size() > 0 ? change.cwiseAbs().maxCoeff() : 0;
 			q += largest > longest_change ? State( longest_change / largest * change ) : change;
-			q = q.cwiseMax( lower ).cwiseMin( upper );
+			q = q.cwiseMax( inner_lower ).cwiseMin( inner_upper );
 			before = error;
 		}
 		return false;
@@ -363,6 +372,20 @@ std::vector<std::string> Manifold::violations( const double* q )
 		    std::max( value - row.upper, row.lower - value ) );
 	}
 	return lines;
+}
+
+bool Manifold::isInRange( const double* q )
+{
+	m_parts->measure( q );
+	for ( std::size_t r = 0; r < m_parts->rows.size(); ++r )
+	{
+		const double value = m_parts->values[static_cast<Eigen::Index>( r )];
+		if ( !( value >= m_parts->rows[r].lower && value <= m_parts->rows[r].upper ) )
+		{
+			return false;
+		}
+	}
+	return true;
 }
 
 std::size_t Manifold::rows() const

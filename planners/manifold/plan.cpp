@@ -14,12 +14,14 @@ namespace leeway::manifold
 namespace
 {
 
-constexpr double range = 2;           // of one growth towards a sample, in joint space
-constexpr double near_samples = 1.5;  // radians or metres about a node, for half of the samples
-constexpr double far_limits = 100;    // radians or metres: samples are drawn about the start instead
-constexpr double least_saving = 0.01; // of a path's length, by a shortcut
-constexpr int mend_tries = 100;       // states that are led to the constraints
-constexpr double mend_spread = 0.3;   // radians or metres about the start
+constexpr double range = 2;             // of one growth towards a sample, in joint space
+constexpr double growth_step = 0.29;    // a tree takes the first step or none: other samples cost less than halves of steps
+constexpr std::size_t small_steps = 16; // of so many samples one goes by halves of steps too, for narrow places
+constexpr double near_samples = 1.5;    // radians or metres about a node, for half of the samples
+constexpr double far_limits = 100;      // radians or metres: samples are drawn about the start instead
+constexpr double least_saving = 0.01;   // of a path's length, by a shortcut
+constexpr int mend_tries = 100;         // states that are led to the constraints
+constexpr double mend_spread = 0.3;     // radians or metres about the start
 constexpr std::size_t excluded_tries = 200;
 
 class Clock
@@ -45,21 +47,30 @@ public:
 	std::size_t add( const State& q, std::size_t parent, std::vector<Piece> way )
 	{
 		m_nodes.push_back( { q, parent, std::move( way ) } );
+		m_states.insert( m_states.end(), q.data(), q.data() + q.size() );
 		return m_nodes.size() - 1;
 	}
 	std::size_t addRoot( const State& q ) { return add( q, m_nodes.size(), {} ); }
 	std::size_t size() const { return m_nodes.size(); }
 	const Node& operator[]( std::size_t i ) const { return m_nodes[i]; }
-	std::size_t nearest( const Walker& walker, const State& q ) const
+	/// @param turns [variables] of angles that wrap 2 pi, of others 0
+	std::size_t nearest( const State& turns, const State& q ) const
 	{
+		const Eigen::Index count = q.size();
 		std::size_t best = 0;
 		double least = HUGE_VAL;
-		for ( std::size_t i = 0; i < m_nodes.size(); ++i )
+		const double* at = m_states.data();
+		for ( std::size_t i = 0; i < m_nodes.size(); ++i, at += count )
 		{
-			const double distance = ( walker.nearestTurns( m_nodes[i].q, q ) - m_nodes[i].q ).squaredNorm();
-			if ( distance < least )
+			double square = 0;
+			for ( Eigen::Index k = 0; k < count; ++k )
 			{
-				least = distance;
+				const double way = q[k] - at[k];
+				square += turns[k] > 0 ? std::pow( std::remainder( way, turns[k] ), 2 ) : way * way;
+			}
+			if ( square < least )
+			{
+				least = square;
 				best = i;
 			}
 		}
@@ -83,6 +94,7 @@ public:
 
 private:
 	std::vector<Node> m_nodes;
+	std::vector<double> m_states; ///< [nodes][variables] once more, close together
 };
 
 class Planning
@@ -256,14 +268,14 @@ private:
 	/// Grows a tree towards a state. @return true: it is reached. @param node the new one, or that from which nothing was proved
 	bool grow( Tree& tree, const State& to, double most, std::size_t& node )
 	{
-		const std::size_t from = tree.nearest( m_walker, to );
+		const std::size_t from = tree.nearest( m_walker.turns(), to );
 		std::vector<Piece> way;
-		const bool reached = m_walker.walk( tree[from].q, to, most, way );
+		const double least = m_result.samples % small_steps == 0 ? least_step : growth_step;
+		const bool reached = m_walker.walk( tree[from].q, to, { most, least, false }, way );
 		node = from;
-		if ( !way.empty() )
+		for ( Piece& piece : way )
 		{
-			const State last = way.back().last();
-			node = tree.add( last, from, std::move( way ) );
+			node = tree.add( piece.last(), node, { piece } );
 		}
 		return reached;
 	}
@@ -273,15 +285,15 @@ private:
 		for ( std::size_t goal = 0; goal < m_trees[1].size(); ++goal )
 		{
 			std::vector<Piece> way;
-			if ( m_walker.walk( m_trees[0][0].q, m_trees[1][goal].q, HUGE_VAL, way ) )
+			if ( m_walker.walk( m_trees[0][0].q, m_trees[1][goal].q, {}, way ) )
 			{
 				path = way;
 				return true;
 			}
-			if ( !way.empty() )
+			std::size_t node = 0;
+			for ( Piece& piece : way )
 			{
-				const State last = way.back().last();
-				m_trees[0].add( last, 0, std::move( way ) );
+				node = m_trees[0].add( piece.last(), node, { piece } );
 			}
 		}
 		while ( !isOver() )
@@ -289,8 +301,8 @@ private:
 			const std::size_t side = m_trees[0].size() <= m_trees[1].size() ? 0 : 1;
 			Tree &tree = m_trees[side], &other = m_trees[1 - side];
 			const bool near = m_random.unit() < 0.5;
-			State sample =
-			    near ? drawn( tree[m_random.below( tree.size() )].q, near_samples ) : drawn( m_start, far_limits );
+			State sample = near ? drawn( tree[m_random.below( tree.size() )].q, near_samples * m_random.unit() )
+			                    : drawn( m_start, far_limits );
 			++m_result.samples;
 			if ( !m_manifold.project( sample.data() ) )
 			{
@@ -341,21 +353,18 @@ private:
 			const double s = from - static_cast<double>( a ), t = to - static_cast<double>( b );
 			std::vector<Piece> middle(
 			    path.begin() + static_cast<std::ptrdiff_t>( a ), path.begin() + static_cast<std::ptrdiff_t>( b ) + 1 );
-			const double old = lengthOf( middle );
-			std::vector<Piece> way;
-			if ( !( old > 0 ) || !m_walker.walk( path[a].at( s ), path[b].at( t ), 2 * old, way ) )
+			const State begin = path[a].at( s ), end = path[b].at( t );
+			std::vector<Piece> head, way, tail;
+			s > 0 ? head.push_back( path[a].part( 0, s ) ) : void();
+			t < 1 ? tail.push_back( path[b].part( t, 1 ) ) : void();
+			const double most = lengthOf( middle ) - least_saving * lengthOf( path ) - lengthOf( head ) - lengthOf( tail );
+			if ( !( ( end - begin ).norm() < most ) || !m_walker.walk( begin, end, { most, least_step, true }, way ) )
 			{
 				continue;
 			}
-			if ( s > 0 )
-			{
-				way.insert( way.begin(), path[a].part( 0, s ) );
-			}
-			if ( t < 1 )
-			{
-				way.push_back( path[b].part( t, 1 ) );
-			}
-			if ( lengthOf( way ) < old - least_saving * lengthOf( path ) && isContinuous( way, path[b] ) )
+			way.insert( way.begin(), head.begin(), head.end() );
+			way.insert( way.end(), tail.begin(), tail.end() );
+			if ( lengthOf( way ) < lengthOf( middle ) - least_saving * lengthOf( path ) && isContinuous( way, path[b] ) )
 			{
 				path.erase(
 				    path.begin() + static_cast<std::ptrdiff_t>( a ), path.begin() + static_cast<std::ptrdiff_t>( b ) + 1 );

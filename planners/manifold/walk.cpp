@@ -10,7 +10,7 @@ namespace leeway::manifold
 namespace
 {
 
-constexpr double longest_step = 0.6, first_step = 0.3, least_step = 0.01; // of states that are projected, in joint space
+constexpr double longest_step = 0.6, first_step = 0.3; // of states that are projected, in joint space
 constexpr double step_growth = 1.5;
 constexpr double most_drift = 0.5; // of a step, by projection
 constexpr double least_gain = 0.1; // of a step, towards the end of the walk
@@ -125,19 +125,20 @@ Walker::Walker( Manifold& manifold, const io::Problem& problem, const lw_edge_de
       m_lower( Eigen::Map<const State>( manifold.lower(), static_cast<Eigen::Index>( manifold.variables() ) ) ),
       m_upper( Eigen::Map<const State>( manifold.upper(), static_cast<Eigen::Index>( manifold.variables() ) ) )
 {
-	for ( const std::uint32_t variable : problem.variables )
+	m_turns.resize( m_lower.size() );
+	for ( Eigen::Index k = 0; k < m_turns.size(); ++k )
 	{
-		m_wraps.push_back( lw_robot_variable( problem.robot.get(), variable ).wraps );
+		const std::uint32_t variable = problem.variables[static_cast<std::size_t>( k )];
+		m_turns[k] = lw_robot_variable( problem.robot.get(), variable ).wraps ? 2 * M_PI : 0;
 	}
 }
 
 State Walker::nearestTurns( const State& a, const State& b ) const
 {
 	State q = b;
-	for ( std::size_t i = 0; i < m_wraps.size(); ++i )
+	for ( Eigen::Index k = 0; k < q.size(); ++k )
 	{
-		const auto k = static_cast<Eigen::Index>( i );
-		q[k] = m_wraps[i] ? a[k] + std::remainder( b[k] - a[k], 2 * M_PI ) : b[k];
+		q[k] = m_turns[k] > 0 ? a[k] + std::remainder( b[k] - a[k], m_turns[k] ) : b[k];
 	}
 	return q;
 }
@@ -172,7 +173,8 @@ bool Walker::isKept( const Piece& piece )
 {
 	++m_counts.proofs;
 	const motions::Segment segment = { 0, 1, piece.degree, piece.points };
-	return isWithin( piece ) && m_manifold.constraints().areKept( segment );
+	return isWithin( piece ) && m_manifold.isInRange( piece.at( 0.5 ).data() ) &&
+	       m_manifold.constraints().areKept( segment );
 }
 
 bool Walker::isClear( const Piece& piece )
@@ -243,11 +245,11 @@ bool Walker::step( const State& q, const State& to, double length, State& next )
 	       ( to - next ).norm() < gap - least_gain * length && isFree( next );
 }
 
-bool Walker::walk( const State& a, const State& b, double most, std::vector<Piece>& out )
+bool Walker::walk( const State& a, const State& b, const Reach& reach, std::vector<Piece>& out )
 {
 	const State to = nearestTurns( a, b );
 	State q = a;
-	double length = std::min( first_step, most ), left = most;
+	double length = std::min( first_step, reach.most ), left = reach.most;
 	const Piece straight = straightPiece( a, to );
 	const double gap = ( to - a ).norm();
 	if ( !( gap > no_length ) )
@@ -255,12 +257,12 @@ bool Walker::walk( const State& a, const State& b, double most, std::vector<Piec
 		out.push_back( straight );
 		return true;
 	}
-	if ( gap <= most && isProved( straight ) )
+	if ( gap <= reach.most && isProved( straight ) )
 	{
 		out.push_back( straight );
 		return true;
 	}
-	while ( left > least_step )
+	while ( left > least_step && !( reach.whole && ( to - q ).norm() > left ) )
 	{
 		const bool near = ( to - q ).norm() <= std::min( length, left );
 		if ( near && join( q, to, 0, out ) )
@@ -271,7 +273,7 @@ bool Walker::walk( const State& a, const State& b, double most, std::vector<Piec
 		if ( near || !step( q, to, std::min( length, left ), next ) || !join( q, next, 0, out ) )
 		{
 			length = 0.5 * std::min( length, ( to - q ).norm() );
-			if ( length < least_step )
+			if ( length < reach.least_step )
 			{
 				return false;
 			}

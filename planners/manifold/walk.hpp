@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -48,6 +49,16 @@ struct WalkCounts
 	std::uint64_t projections = 0;
 };
 
+constexpr double least_step = 0.01; ///< radians or metres, in joint space
+
+/// How far a walk goes, and when it gives up.
+struct Reach
+{
+	double most = HUGE_VAL;                   ///< length of the way
+	double least_step = manifold::least_step; ///< steps that fail are halved down to this
+	bool whole = false;                       ///< ends as soon as the end is farther away than the rest of `most`
+};
+
 class Walker
 {
 public:
@@ -56,10 +67,9 @@ public:
 
 	/// Goes from a towards b. Angles that wrap go the shorter way.
 	/// @param a keeps the constraints, and so does b if it is to be reached
-	/// @param most length of the way
 	/// @param out proved pieces, appended; the first begins at a
 	/// @return true: the last piece ends at b, up to whole turns of angles that wrap
-	bool walk( const State& a, const State& b, double most, std::vector<Piece>& out );
+	bool walk( const State& a, const State& b, const Reach& reach, std::vector<Piece>& out );
 	/// Proves constraints and clearances of a motion.
 	bool isProved( const Piece& piece ) { return isKept( piece ) && isClear( piece ); }
 	/// Only clearances.
@@ -67,6 +77,8 @@ public:
 	bool isFree( const State& q );
 	/// b, with wrapping angles in the turns that are nearest to a.
 	State nearestTurns( const State& a, const State& b ) const;
+	/// [variables]: 2 pi of angles that wrap, else 0.
+	const State& turns() const { return m_turns; }
 	const WalkCounts& counts() const { return m_counts; }
 
 private:
@@ -79,8 +91,7 @@ private:
 	const io::Problem& m_problem;
 	const lw_edge_def& m_edge;
 	lw_query* m_query;
-	std::vector<bool> m_wraps;
-	State m_lower, m_upper;
+	State m_turns, m_lower, m_upper;
 	WalkCounts m_counts;
 };
 

@@ -37,6 +37,8 @@ public:
 	void makeTangent( const double* q, double* direction );
 	/// Constraints that a state breaks, or touches up to rounding: a line for each, with the amount. Empty: it keeps all.
 	std::vector<std::string> violations( const double* q );
+	/// Are all poses within their ranges? Of rows alone, without joints. @param q [variables()]
+	bool isInRange( const double* q );
 
 	/// Number of rows.
 	std::size_t rows() const;
