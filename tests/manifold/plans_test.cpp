@@ -184,3 +184,39 @@ TEST( Manifold, DerivativesAreThoseOfOtherErrors )
 		}
 	}
 }
+
+TEST( Manifold, AProjectedStateStandsAtAJointLimit )
+{
+	// A path along a limit has no room to bend: no cubic near it is within the limit
+	SeededRng rng( 12 );
+	std::size_t projected = 0;
+	for ( int round = 0; round < 40; ++round )
+	{
+		ManifoldWorld world( sevenAxisArm() );
+		const Vector at = world.randomState( rng );
+		world.keepPlace( "hand", at, { 2, 2, 1e-3 } );
+		manifold::Manifold manifold( world.robot, world.problem, world.path );
+		for ( int i = 0; i < 20; ++i )
+		{
+			Vector q( 7 );
+			for ( std::size_t v = 0; v < 7; ++v )
+			{
+				// some begin at a limit, or beyond
+				const double t = rng.uniform( -0.2, 1.2 );
+				q[v] = manifold.lower()[v] + t * ( manifold.upper()[v] - manifold.lower()[v] );
+			}
+			if ( !manifold.project( q.data() ) )
+			{
+				continue;
+			}
+			++projected;
+			for ( std::size_t v = 0; v < 7; ++v )
+			{
+				const double room = 0.9e-3 * ( manifold.upper()[v] - manifold.lower()[v] );
+				ASSERT_GT( q[v], manifold.lower()[v] + room ) << round << " " << v;
+				ASSERT_LT( q[v], manifold.upper()[v] - room ) << round << " " << v;
+			}
+		}
+	}
+	EXPECT_GT( projected, 200u );
+}
