@@ -311,7 +311,7 @@ private:
 	{
 		const std::size_t count = last - first;
 		std::vector<double> shares( count ), powers( count );
-		std::vector<State> rates;
+		std::vector<State> rates, back( count ), ahead( count ); // of inner knots
 		double sum = 0, all = 0;
 		const auto power = [&]( std::size_t i )
 		{
@@ -323,6 +323,14 @@ private:
 		for ( std::size_t k = first; k <= last; ++k )
 		{
 			rates.push_back( m_knots[k].rate );
+		}
+		for ( std::size_t k = 1; k < count; ++k )
+		{
+			const State& q = m_knots[first + k].q;
+			back[k] = q - m_knots[first + k - 1].q;
+			ahead[k] = m_knots[first + k + 1].q - q;
+			m_keeps ? m_manifold.makeTangent( q.data(), back[k].data() ) : void();
+			m_keeps ? m_manifold.makeTangent( q.data(), ahead[k].data() ) : void();
 		}
 		for ( std::size_t i = 0; i < count; ++i )
 		{
@@ -339,7 +347,12 @@ private:
 			shares[i] = share;
 			for ( std::size_t k = i; k <= i + 1; ++k )
 			{
-				rates[k] = k > 0 && k < count ? rateAt( first + k, shares[k - 1], shares[k] ) : rates[k];
+				if ( k > 0 && k < count )
+				{
+					// rateAt(), but for limits that one of the sides meets
+					const double left = shares[k - 1], right = shares[k];
+					rates[k] = ( right / left * back[k] + left / right * ahead[k] ) / ( left + right );
+				}
 			}
 			for ( std::size_t k = i > 0 ? i - 1 : 0; k < std::min( i + 2, count ); ++k )
 			{
@@ -379,23 +392,17 @@ private:
 	/// Seconds for a unit of u that the limits ask for at a piece of this width.
 	static double needOf( const Piece& piece, double width, const motions::MotionLimits& limits )
 	{
-		const State p[4] = { piece.control( 0 ), piece.control( 1 ), piece.control( 2 ), piece.control( 3 ) };
-		double seconds = 0;
-		for ( std::size_t v = 0; v < piece.variables(); ++v )
+		const std::size_t count = piece.variables();
+		const double *p0 = piece.points.data(), *p1 = p0 + count, *p2 = p1 + count, *p3 = p2 + count;
+		double first = 0, second = 0, third = 0; // of derivatives, in parts of their limits
+		for ( std::size_t v = 0; v < count; ++v )
 		{
-			const auto i = static_cast<Eigen::Index>( v );
-			for ( int j = 0; j < 3; ++j )
-			{
-				seconds = std::max( seconds, 3 * std::fabs( p[j + 1][i] - p[j][i] ) / width / limits.velocity[v] );
-			}
-			for ( int j = 0; j < 2; ++j )
-			{
-				const double change = 6 * std::fabs( p[j + 2][i] - 2 * p[j + 1][i] + p[j][i] ) / ( width * width );
-				seconds = std::max( seconds, std::sqrt( change / limits.acceleration[v] ) );
-			}
-			const double third = 6 * std::fabs( p[3][i] - 3 * p[2][i] + 3 * p[1][i] - p[0][i] ) / std::pow( width, 3 );
-			seconds = std::max( seconds, std::cbrt( third / limits.mostJerk( v ) ) );
+			const double a = p1[v] - p0[v], b = p2[v] - p1[v], c = p3[v] - p2[v];
+			first = std::max( first, std::max( { std::fabs( a ), std::fabs( b ), std::fabs( c ) } ) / limits.velocity[v] );
+			second = std::max( second, std::max( std::fabs( b - a ), std::fabs( c - b ) ) / limits.acceleration[v] );
+			third = std::max( third, std::fabs( c - 2 * b + a ) / limits.mostJerk( v ) );
 		}
+		const double seconds = std::max( { 3 * first, std::sqrt( 6 * second ), std::cbrt( 6 * third ) } ) / width;
 		return seconds;
 	}
 

@@ -14,8 +14,9 @@ namespace leeway::manifold
 namespace
 {
 
-constexpr double range = 2;             // of one growth towards a sample, in joint space
-constexpr double growth_step = 0.29;    // a tree takes the first step or none: other samples cost less than halves of steps
+constexpr double range = 2; // of one growth towards a sample, in joint space
+constexpr double growth_step =
+    0.29; // trees and shortcuts take the first step or none: other tries cost less than halves of steps
 constexpr std::size_t small_steps = 16; // of so many samples one goes by halves of steps too, for narrow places
 constexpr double near_samples = 1.5;    // radians or metres about a node, for half of the samples
 constexpr double far_limits = 100;      // radians or metres: samples are drawn about the start instead
@@ -358,7 +359,7 @@ private:
 			s > 0 ? head.push_back( path[a].part( 0, s ) ) : void();
 			t < 1 ? tail.push_back( path[b].part( t, 1 ) ) : void();
 			const double most = lengthOf( middle ) - least_saving * lengthOf( path ) - lengthOf( head ) - lengthOf( tail );
-			if ( !( ( end - begin ).norm() < most ) || !m_walker.walk( begin, end, { most, least_step, true }, way ) )
+			if ( !( ( end - begin ).norm() < most ) || !m_walker.walk( begin, end, { most, growth_step, true }, way ) )
 			{
 				continue;
 			}
