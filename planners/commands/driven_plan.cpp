@@ -2,20 +2,32 @@
 // The proof, the certificate and the page are of the motion that a reader of the trajectory's file drives.
 #include "commands/driven_plan.hpp"
 #include "commands/limits_file.hpp"
+#include "commands/plan_solution.hpp"
 #include "motions/report.hpp"
 
 namespace leeway::cli
 {
 
-void fill( motions::MotionSettings& settings, const PlanOptions& options, const Input& input, const io::Problem& problem,
-    const JointLimits& limits, Notices& notices )
+motions::MotionSettings settingsOf(
+    const PlanOptions& options, const Input& input, const io::Problem& problem, const JointLimits& limits, Notices& notices )
 {
+	motions::MotionSettings settings;
 	settings.edge.min_d = options.common.min_d;
 	settings.edge.flags = options.common.checkFlags();
 	settings.edge.slack = options.edge.slack;
 	settings.limits = motionLimits( problem, input.robot, limits );
 	noteUsual( settings.limits, notices );
 	settings.seed = options.seed;
+	return settings;
+}
+
+manifold::Settings requestSettingsOf(
+    const PlanOptions& options, const Input& input, const io::Problem& problem, const JointLimits& limits, Notices& notices )
+{
+	manifold::Settings settings{ settingsOf( options, input, problem, limits, notices ) };
+	settings.seconds = timeLimit( options, *input.request );
+	settings.shortcuts = options.simplify ? settings.shortcuts : 0;
+	return settings;
 }
 
 DrivenPlan::DrivenPlan( const PlanOptions& options )

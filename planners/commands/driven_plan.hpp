@@ -5,13 +5,17 @@
 #include "commands/certificate_file.hpp"
 #include "commands/page_file.hpp"
 
+#include "leeway/manifold/plan.hpp"
 #include "leeway/motions/timed.hpp"
 
 namespace leeway::cli
 {
 
-/// The options' part of what a planner of cubics is asked for. Notices name joints with a usual limit.
-void fill( motions::MotionSettings& settings, const PlanOptions& options, const Input& input, const io::Problem& problem,
+/// min_d, flags, slack and seed of the options, and the limits of the joints. A notice names each joint that keeps a usual limit.
+motions::MotionSettings settingsOf( const PlanOptions& options, const Input& input, const io::Problem& problem,
+    const JointLimits& limits, Notices& notices );
+/// With the time and the shortcuts of a plan for the input's request, which has to be there.
+manifold::Settings requestSettingsOf( const PlanOptions& options, const Input& input, const io::Problem& problem,
     const JointLimits& limits, Notices& notices );
 
 /// Results of plan --line and of plans with constraints. Files are opened at once.

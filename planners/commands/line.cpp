@@ -252,9 +252,7 @@ int runLine( const PlanOptions& options )
 	{
 		throw io::Error( ends.start.file, ends.start.element, violations.front(), "start within the limits" );
 	}
-	lines::Settings settings;
-	fill( settings, options, input, problem, limits, notices );
-	settings.attempts = options.line.attempts;
+	const lines::Settings settings{ settingsOf( options, input, problem, limits, notices ), options.line.attempts };
 	lines::Task task = taskOf( options.line, problem, path.way ? &*path.way : nullptr, options.common.request );
 	task.path = path;
 	const double begin = now();

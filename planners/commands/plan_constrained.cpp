@@ -130,10 +130,7 @@ int runConstrainedPlan( const PlanOptions& options )
 	const PlanEnds ends = readEnds( options, input );
 	const Workbench bench( input, ends.group, {}, notices );
 	const io::Problem& problem = bench.problem();
-	manifold::Settings settings;
-	fill( settings, options, input, problem, limits, notices );
-	settings.seconds = timeLimit( options, *input.request );
-	settings.shortcuts = options.simplify ? settings.shortcuts : 0;
+	const manifold::Settings settings = requestSettingsOf( options, input, problem, limits, notices );
 	const manifold::Task task = taskOf( options, input, bench, ends, path, settings.edge );
 	const manifold::Result plan = manifold::planPath( input.robot, problem, path, task, settings );
 	requireKept( ends, plan );

@@ -114,10 +114,7 @@ int runSequence( const PlanOptions& options )
 	const Workbench bench( input, ends.group, {}, notices );
 	const io::Problem& problem = bench.problem();
 	requireUsable( options, bench, ends.start, io::startState( problem ) );
-	sequence::Settings settings;
-	fill( settings, options, input, problem, limits, notices );
-	settings.seconds = timeLimit( options, *input.request );
-	settings.shortcuts = options.simplify ? settings.shortcuts : 0;
+	const sequence::Settings settings{ requestSettingsOf( options, input, problem, limits, notices ) };
 	const std::vector<sequence::Leg> legs = sequence::legsOf( problem, path, commonTask( options.line ) );
 	const sequence::Result plan = sequence::planSequence( input.robot, problem, legs, settings );
 	Json report = reportOf( plan );

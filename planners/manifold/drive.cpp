@@ -168,14 +168,23 @@ private:
 	double before( std::size_t k ) const { return m_knots[k].rest ? 0 : m_knots[k].u; }
 	double after( std::size_t k ) const { return m_knots[k + 1].rest ? 1 : m_knots[k + 1].u; }
 
-	/// The speed at a knot for each unit of u, between pieces of these widths.
+	/// A way from a knot, or to it, along the constraints.
+	State alongConstraints( std::size_t k, State way )
+	{
+		m_keeps ? m_manifold.makeTangent( m_knots[k].q.data(), way.data() ) : void();
+		return way;
+	}
+
+	/// The speed for each unit of u between pieces of these widths, of the ways from the state before and to the next one.
+	static State rateOf( const State& back, const State& ahead, double left, double right )
+	{
+		return ( right / left * back + left / right * ahead ) / ( left + right );
+	}
+
 	State rateAt( std::size_t k, double left, double right )
 	{
-		const Knot& knot = m_knots[k];
-		const State back = ( knot.q - m_knots[k - 1].q ) / left, ahead = ( m_knots[k + 1].q - knot.q ) / right;
-		State rate = ( right * back + left * ahead ) / ( left + right );
-		m_keeps ? m_manifold.makeTangent( knot.q.data(), rate.data() ) : void();
-		return rate;
+		const State &before = m_knots[k - 1].q, &q = m_knots[k].q, &after = m_knots[k + 1].q;
+		return alongConstraints( k, rateOf( q - before, after - q, left, right ) );
 	}
 
 	void takeRates()
@@ -326,11 +335,9 @@ private:
 		}
 		for ( std::size_t k = 1; k < count; ++k )
 		{
-			const State& q = m_knots[first + k].q;
-			back[k] = q - m_knots[first + k - 1].q;
-			ahead[k] = m_knots[first + k + 1].q - q;
-			m_keeps ? m_manifold.makeTangent( q.data(), back[k].data() ) : void();
-			m_keeps ? m_manifold.makeTangent( q.data(), ahead[k].data() ) : void();
+			const State &before = m_knots[first + k - 1].q, &q = m_knots[first + k].q, &after = m_knots[first + k + 1].q;
+			back[k] = alongConstraints( first + k, q - before );
+			ahead[k] = alongConstraints( first + k, after - q );
 		}
 		for ( std::size_t i = 0; i < count; ++i )
 		{
@@ -347,12 +354,8 @@ private:
 			shares[i] = share;
 			for ( std::size_t k = i; k <= i + 1; ++k )
 			{
-				if ( k > 0 && k < count )
-				{
-					// rateAt(), but for limits that one of the sides meets
-					const double left = shares[k - 1], right = shares[k];
-					rates[k] = ( right / left * back[k] + left / right * ahead[k] ) / ( left + right );
-				}
+				// rateAt(), but for limits that one of the sides meets
+				rates[k] = k > 0 && k < count ? rateOf( back[k], ahead[k], shares[k - 1], shares[k] ) : rates[k];
 			}
 			for ( std::size_t k = i > 0 ? i - 1 : 0; k < std::min( i + 2, count ); ++k )
 			{
@@ -402,8 +405,7 @@ private:
 			second = std::max( second, std::max( std::fabs( b - a ), std::fabs( c - b ) ) / limits.acceleration[v] );
 			third = std::max( third, std::fabs( c - 2 * b + a ) / limits.mostJerk( v ) );
 		}
-		const double seconds = std::max( { 3 * first, std::sqrt( 6 * second ), std::cbrt( 6 * third ) } ) / width;
-		return seconds;
+		return std::max( { 3 * first, std::sqrt( 6 * second ), std::cbrt( 6 * third ) } ) / width;
 	}
 
 	Walker& m_walker;

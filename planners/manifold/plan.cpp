@@ -16,7 +16,7 @@ namespace
 
 constexpr double range = 2; // of one growth towards a sample, in joint space
 constexpr double growth_step =
-    0.29; // trees and shortcuts take the first step or none: other tries cost less than halves of steps
+    0.29; // trees and shortcuts take the first step or none: other tries cost less than its halves
 constexpr std::size_t small_steps = 16; // of so many samples one goes by halves of steps too, for narrow places
 constexpr double near_samples = 1.5;    // radians or metres about a node, for half of the samples
 constexpr double far_limits = 100;      // radians or metres: samples are drawn about the start instead
@@ -34,26 +34,28 @@ private:
 	std::chrono::steady_clock::time_point m_begin = std::chrono::steady_clock::now();
 };
 
-struct Node
-{
-	State q;
-	std::size_t parent;     ///< itself: a root
-	std::vector<Piece> way; ///< from the parent
-};
-
 /// States of one side, and motions between them.
 class Tree
 {
 public:
-	std::size_t add( const State& q, std::size_t parent, std::vector<Piece> way )
+	void addRoot( const State& q ) { add( q, size(), {} ); }
+	/// The ends of all pieces of a way. @param from the node where it begins @return the last node
+	std::size_t addWay( std::size_t from, const std::vector<Piece>& way )
 	{
-		m_nodes.push_back( { q, parent, std::move( way ) } );
-		m_states.insert( m_states.end(), q.data(), q.data() + q.size() );
-		return m_nodes.size() - 1;
+		std::size_t node = from;
+		for ( const Piece& piece : way )
+		{
+			add( piece.last(), node, piece );
+			node = size() - 1;
+		}
+		return node;
 	}
-	std::size_t addRoot( const State& q ) { return add( q, m_nodes.size(), {} ); }
-	std::size_t size() const { return m_nodes.size(); }
-	const Node& operator[]( std::size_t i ) const { return m_nodes[i]; }
+	std::size_t size() const { return m_branches.size(); }
+	State state( std::size_t node ) const
+	{
+		const std::size_t count = m_states.size() / size();
+		return Eigen::Map<const State>( m_states.data() + node * count, static_cast<Eigen::Index>( count ) );
+	}
 	/// @param turns [variables] of angles that wrap 2 pi, of others 0
 	std::size_t nearest( const State& turns, const State& q ) const
 	{
@@ -61,7 +63,7 @@ public:
 		std::size_t best = 0;
 		double least = HUGE_VAL;
 		const double* at = m_states.data();
-		for ( std::size_t i = 0; i < m_nodes.size(); ++i, at += count )
+		for ( std::size_t i = 0; i < size(); ++i, at += count )
 		{
 			double square = 0;
 			for ( Eigen::Index k = 0; k < count; ++k )
@@ -80,22 +82,30 @@ public:
 	/// From the root to a node.
 	std::vector<Piece> way( std::size_t node ) const
 	{
-		std::vector<std::size_t> nodes;
-		for ( ; m_nodes[node].parent != node; node = m_nodes[node].parent )
-		{
-			nodes.push_back( node );
-		}
 		std::vector<Piece> pieces;
-		for ( auto i = nodes.rbegin(); i != nodes.rend(); ++i )
+		for ( ; m_branches[node].parent != node; node = m_branches[node].parent )
 		{
-			pieces.insert( pieces.end(), m_nodes[*i].way.begin(), m_nodes[*i].way.end() );
+			pieces.push_back( m_branches[node].piece );
 		}
+		std::reverse( pieces.begin(), pieces.end() );
 		return pieces;
 	}
 
 private:
-	std::vector<Node> m_nodes;
-	std::vector<double> m_states; ///< [nodes][variables] once more, close together
+	struct Branch
+	{
+		std::size_t parent; ///< itself: a root
+		Piece piece;        ///< from the parent
+	};
+
+	void add( const State& q, std::size_t parent, const Piece& piece )
+	{
+		m_branches.push_back( { parent, piece } );
+		m_states.insert( m_states.end(), q.data(), q.data() + q.size() );
+	}
+
+	std::vector<Branch> m_branches; ///< of nodes
+	std::vector<double> m_states;   ///< [nodes][variables]
 };
 
 class Planning
@@ -272,12 +282,8 @@ private:
 		const std::size_t from = tree.nearest( m_walker.turns(), to );
 		std::vector<Piece> way;
 		const double least = m_result.samples % small_steps == 0 ? least_step : growth_step;
-		const bool reached = m_walker.walk( tree[from].q, to, { most, least, false }, way );
-		node = from;
-		for ( Piece& piece : way )
-		{
-			node = tree.add( piece.last(), node, { piece } );
-		}
+		const bool reached = m_walker.walk( tree.state( from ), to, { most, least, false }, way );
+		node = tree.addWay( from, way );
 		return reached;
 	}
 
@@ -286,23 +292,19 @@ private:
 		for ( std::size_t goal = 0; goal < m_trees[1].size(); ++goal )
 		{
 			std::vector<Piece> way;
-			if ( m_walker.walk( m_trees[0][0].q, m_trees[1][goal].q, {}, way ) )
+			if ( m_walker.walk( m_trees[0].state( 0 ), m_trees[1].state( goal ), {}, way ) )
 			{
 				path = way;
 				return true;
 			}
-			std::size_t node = 0;
-			for ( Piece& piece : way )
-			{
-				node = m_trees[0].add( piece.last(), node, { piece } );
-			}
+			m_trees[0].addWay( 0, way );
 		}
 		while ( !isOver() )
 		{
 			const std::size_t side = m_trees[0].size() <= m_trees[1].size() ? 0 : 1;
 			Tree &tree = m_trees[side], &other = m_trees[1 - side];
 			const bool near = m_random.unit() < 0.5;
-			State sample = near ? drawn( tree[m_random.below( tree.size() )].q, near_samples * m_random.unit() )
+			State sample = near ? drawn( tree.state( m_random.below( tree.size() ) ), near_samples * m_random.unit() )
 			                    : drawn( m_start, far_limits );
 			++m_result.samples;
 			if ( !m_manifold.project( sample.data() ) )
@@ -313,7 +315,7 @@ private:
 			std::size_t node, met;
 			const std::size_t before = tree.size();
 			grow( tree, sample, range, node );
-			if ( tree.size() > before && grow( other, tree[node].q, HUGE_VAL, met ) )
+			if ( tree.size() > before && grow( other, tree.state( node ), HUGE_VAL, met ) )
 			{
 				path = side == 0 ? joined( node, met ) : joined( met, node );
 				return true;
@@ -326,7 +328,7 @@ private:
 	std::vector<Piece> joined( std::size_t start, std::size_t goal ) const
 	{
 		std::vector<Piece> path = m_trees[0].way( start ), back = m_trees[1].way( goal );
-		const State turns = m_trees[0][start].q - m_trees[1][goal].q;
+		const State turns = m_trees[0].state( start ) - m_trees[1].state( goal );
 		for ( auto piece = back.rbegin(); piece != back.rend(); ++piece )
 		{
 			piece->reverse();
@@ -358,14 +360,15 @@ private:
 			std::vector<Piece> head, way, tail;
 			s > 0 ? head.push_back( path[a].part( 0, s ) ) : void();
 			t < 1 ? tail.push_back( path[b].part( t, 1 ) ) : void();
-			const double most = lengthOf( middle ) - least_saving * lengthOf( path ) - lengthOf( head ) - lengthOf( tail );
+			const double wanted = lengthOf( middle ) - least_saving * lengthOf( path );
+			const double most = wanted - lengthOf( head ) - lengthOf( tail );
 			if ( !( ( end - begin ).norm() < most ) || !m_walker.walk( begin, end, { most, growth_step, true }, way ) )
 			{
 				continue;
 			}
 			way.insert( way.begin(), head.begin(), head.end() );
 			way.insert( way.end(), tail.begin(), tail.end() );
-			if ( lengthOf( way ) < lengthOf( middle ) - least_saving * lengthOf( path ) && isContinuous( way, path[b] ) )
+			if ( lengthOf( way ) < wanted && isContinuous( way, path[b] ) )
 			{
 				path.erase(
 				    path.begin() + static_cast<std::ptrdiff_t>( a ), path.begin() + static_cast<std::ptrdiff_t>( b ) + 1 );

@@ -273,7 +273,7 @@ bool Walker::walk( const State& a, const State& b, const Reach& reach, std::vect
 		if ( near || !step( q, to, std::min( length, left ), next ) || !join( q, next, 0, out ) )
 		{
 			length = 0.5 * std::min( length, ( to - q ).norm() );
-			if ( length < reach.least_step )
+			if ( length < reach.least )
 			{
 				return false;
 			}

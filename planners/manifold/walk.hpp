@@ -54,9 +54,9 @@ constexpr double least_step = 0.01; ///< radians or metres, in joint space
 /// How far a walk goes, and when it gives up.
 struct Reach
 {
-	double most = HUGE_VAL;                   ///< length of the way
-	double least_step = manifold::least_step; ///< steps that fail are halved down to this
-	bool whole = false;                       ///< ends as soon as the end is farther away than the rest of `most`
+	double most = HUGE_VAL;    ///< length of the way
+	double least = least_step; ///< steps that fail are halved down to this
+	bool whole = false;        ///< ends as soon as the end is farther away than the rest of `most`
 };
 
 class Walker

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Checker.plan_request() and plan_sequence(), and what all planners of cubics are asked for.
+// Checker.plan_request() and plan_sequence(), and the settings that Checker.plan_line() has too.
 #pragma once
 
 #include "objects.hpp"
@@ -15,8 +15,8 @@ namespace leeway::python
 /// @throws nb::value_error for another shape, or a limit that is not above 0
 motions::MotionLimits limitsOf( const PyChecker& checker, const nb::object& velocity, const nb::object& acceleration );
 
-/// What a planner of cubics is asked for, but its `stop`. @throws as limitsOf()
-motions::MotionSettings askedOf( const PyChecker& checker, double min_d, double slack, const std::string& check,
+/// The arguments as settings, without `stop`. @throws as limitsOf()
+motions::MotionSettings settingsOf( const PyChecker& checker, double min_d, double slack, const std::string& check,
     const Whole& seed, const nb::object& velocity, const nb::object& acceleration );
 
 void bindConstrained( nb::class_<PyChecker>& type );

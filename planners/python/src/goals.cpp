@@ -311,7 +311,7 @@ nb::object planLine( const PyChecker& checker, const std::string& link, const nb
 	task.angle = angle;
 	task.speed = speed;
 	const double slack = lw_edge_def_default().slack;
-	lines::Settings settings{ askedOf( checker, min_d, slack, check, seed, velocity, acceleration ) };
+	lines::Settings settings{ settingsOf( checker, min_d, slack, check, seed, velocity, acceleration ) };
 	settings.attempts = attempts.in( "attempts", 1, std::numeric_limits<std::uint32_t>::max() );
 	lines::Result line;
 	std::atomic<bool> stopped = false;

@@ -353,6 +353,15 @@ Asked askedOf( const PyChecker& checker, const nb::object& request, const nb::ob
 	return asked;
 }
 
+/// The time of the argument, else of the request; and whether there are shortcuts.
+void setWork( manifold::Settings& settings, double seconds, bool smooth, const io::Request& request )
+{
+	settings.seconds = std::isfinite( seconds )            ? seconds
+	                   : request.allowed_planning_time > 0 ? request.allowed_planning_time
+	                                                       : settings.seconds;
+	settings.shortcuts = smooth ? settings.shortcuts : 0;
+}
+
 /// Outcomes that are errors of the request.
 void requireUsable( const manifold::Result& plan, const std::string& file )
 {
@@ -425,11 +434,8 @@ nb::object planRequest( const PyChecker& checker, const nb::object& request, con
 {
 	const io::Problem& problem = *checker.problem;
 	const Asked asked = askedOf( checker, request, start, goal );
-	manifold::Settings settings{ askedOf( checker, min_d, slack, check, seed, velocity, acceleration ) };
-	settings.seconds = std::isfinite( seconds )                  ? seconds
-	                   : asked.request.allowed_planning_time > 0 ? asked.request.allowed_planning_time
-	                                                             : settings.seconds;
-	settings.shortcuts = smooth ? settings.shortcuts : 0;
+	manifold::Settings settings{ settingsOf( checker, min_d, slack, check, seed, velocity, acceleration ) };
+	setWork( settings, seconds, smooth, asked.request );
 	manifold::Task task;
 	task.start = asked.start;
 	task.mend_start = mend_start;
@@ -573,11 +579,8 @@ nb::object planSequence( const PyChecker& checker, const nb::object& items, cons
 			legs[i].goals.emplace_back( rows[k], rows[k] + checker.variables() );
 		}
 	}
-	sequence::Settings settings{ { askedOf( checker, min_d, slack, check, seed, velocity, acceleration ) } };
-	settings.seconds = std::isfinite( seconds )            ? seconds
-	                   : request.allowed_planning_time > 0 ? request.allowed_planning_time
-	                                                       : settings.seconds;
-	settings.shortcuts = smooth ? settings.shortcuts : 0;
+	sequence::Settings settings{ { settingsOf( checker, min_d, slack, check, seed, velocity, acceleration ) } };
+	setWork( settings, seconds, smooth, request );
 	motions::TrajectorySettings as_driven;
 	as_driven.edge = settings.edge;
 	std::atomic<bool> stopped = false;
@@ -614,7 +617,7 @@ motions::MotionLimits limitsOf( const PyChecker& checker, const nb::object& velo
 	return limits;
 }
 
-motions::MotionSettings askedOf( const PyChecker& checker, double min_d, double slack, const std::string& check,
+motions::MotionSettings settingsOf( const PyChecker& checker, double min_d, double slack, const std::string& check,
     const Whole& seed, const nb::object& velocity, const nb::object& acceleration )
 {
 	motions::MotionSettings settings;

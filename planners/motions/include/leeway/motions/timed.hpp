@@ -33,7 +33,7 @@ constexpr double default_jerk = 10;
 /// @throws io::Error for a joint without a velocity limit, and for floating joints
 MotionLimits motionLimits( const io::Problem& problem, const io::RobotModel& robot, const JointLimits& limits );
 
-/// What planners of cubics are asked for: on constraints, along lines, in sequences.
+/// Settings that leeway::manifold, leeway::lines and leeway::sequence share.
 struct MotionSettings
 {
 	lw_edge_def edge = lw_edge_def_default(); ///< min_d, flags, slack

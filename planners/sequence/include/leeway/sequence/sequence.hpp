@@ -16,8 +16,6 @@
 #include "leeway/manifold/plan.hpp"
 #include "leeway/motions/path_constraints.hpp"
 
-#include <functional>
-
 namespace leeway::sequence
 {
 
