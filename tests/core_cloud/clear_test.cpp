@@ -3,6 +3,7 @@
 #include "cloud_bench.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <functional>
 
 namespace
@@ -333,5 +334,62 @@ TEST( CloudRays, AFarDepthClearsWithoutTrust )
 			EXPECT_EQ( report.cleared, trusted ? 1u : 0u );
 			EXPECT_EQ( stateAt( cloud.get(), { 1.925, 0.025, 0.025 } ), LW_VOXEL_OCCUPIED ) << "it is beyond `far`";
 		}
+	}
+}
+
+TEST( CloudRays, AFarPointClearsWithoutTrust )
+{
+	for ( const bool trusted : { false, true } )
+	{
+		const CloudPtr cloud = makeCloud( cloudOf( 0.05, 2 ) );
+		hit( cloud.get(), 1, { { 0.525, 0.025, 0.025 }, { 1.925, 0.025, 0.025 } } );
+		std::vector<std::array<double, 3>> points;
+		for ( int i = 0; i < 10000; ++i )
+		{
+			points.push_back( { 4.5, 0.01 * ( i % 100 ) - 0.5, 0.01 * static_cast<int>( i / 100 ) - 0.5 } );
+		}
+		PointFrame frame( 2, points, { -0.5, 0, 0 } );
+		frame.frame.far = 2;
+		frame.frame.trust_far = trusted;
+		const lw_cloud_report report = insert( cloud.get(), frame.frame );
+		EXPECT_EQ( report.inserted, 0u );
+		EXPECT_EQ( report.out_of_range, 10000u );
+		EXPECT_EQ( report.cleared, trusted ? 1u : 0u );
+		EXPECT_EQ( stateAt( cloud.get(), { 1.925, 0.025, 0.025 } ), LW_VOXEL_OCCUPIED ) << "it is beyond `far`";
+	}
+}
+
+TEST( CloudRays, PointsInRowsAreReadInAnotherWay )
+{
+	SeededRng rng( 20261203 );
+	for ( const auto& [width, height] : { std::pair{ 37u, 29u }, { 16u, 16u }, { 1u, 300u }, { 300u, 2u }, { 8u, 33u } } )
+	{
+		std::vector<std::array<double, 3>> points;
+		for ( std::uint32_t i = 0; i < width * height; ++i )
+		{
+			points.push_back( { rng.uniform( 0.5, 1.5 ), rng.uniform( -0.5, 0.5 ), rng.uniform( -0.5, 0.5 ) } );
+			points.back()[i % 3] += i % 11 == 0 ? std::nan( "" ) : i % 13 == 0 ? 9 : 0;
+		}
+		const CloudPtr listed = makeCloud( cloudOf( 0.05, 2 ) ), rows = makeCloud( cloudOf( 0.05, 2 ) );
+		PointFrame frame( 2, points );
+		frame.frame.far = 3;
+		hit( listed.get(), 1, { { 0.325, 0.025, 0.025 } } );
+		hit( rows.get(), 1, { { 0.325, 0.025, 0.025 } } );
+		const lw_cloud_report in_list = insert( listed.get(), frame.frame );
+		frame.frame.points.width = width;
+		frame.frame.points.height = height;
+		frame.frame.points.row_step = width * frame.frame.points.point_step;
+		const lw_cloud_report in_rows = insert( rows.get(), frame.frame );
+		EXPECT_EQ( 0, std::memcmp( &in_list, &in_rows, sizeof( in_list ) ) ) << width << " x " << height;
+		EXPECT_GT( in_rows.not_measured, 0u );
+		EXPECT_GT( in_rows.out_of_range, 0u );
+		std::vector<double> a( 3 * lw_cloud_voxels( listed.get(), LW_VOXEL_OCCUPIED, nullptr, 0 ) ), b( a.size() );
+		EXPECT_EQ( a.size() / 3, lw_cloud_voxels( listed.get(), LW_VOXEL_OCCUPIED, a.data(), a.size() / 3 ) );
+		EXPECT_EQ( b.size() / 3, lw_cloud_voxels( rows.get(), LW_VOXEL_OCCUPIED, b.data(), b.size() / 3 ) );
+		for ( std::vector<double>* all : { &a, &b } )
+		{
+			std::sort( all->begin(), all->end() ); // chunks are made in the order of points
+		}
+		EXPECT_EQ( a, b ) << width << " x " << height;
 	}
 }

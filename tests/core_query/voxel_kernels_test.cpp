@@ -162,6 +162,129 @@ TEST( Kernels, APixelSeesAnotherPointOrItsRayEndsElsewhere )
 	EXPECT_GT( unmeasured, 1000u );
 }
 
+TEST( Kernels, APointOfASensorIsElsewhereOrHasAnotherRay )
+{
+	SeededRng rng( 20261201 );
+	std::size_t in_range = 0, beyond = 0, unmeasured = 0;
+	for ( int round = 0; round < 3000; ++round )
+	{
+		lwi_voxel_grid grid = {};
+		grid.inverse = 1 / rng.decade( -3, 0 );
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			grid.first[k] = -32;
+			grid.high[k] = 64;
+		}
+		grid.wide = grid.tall = 2;
+		lwi_point_sensor sensor = {};
+		for ( std::size_t k = 0; k < 9; ++k )
+		{
+			sensor.pose.r[k / 3][k % 3] = rng.uniform( -1, 1 ); // any matrix: the sums are what is compared
+		}
+		for ( double& t : sensor.pose.t )
+		{
+			t = rng.uniform( -1, 1 ) / grid.inverse;
+		}
+		sensor.in_world = round % 2 == 0;
+		sensor.near_sq = round % 3 == 0 ? 0 : 0.25;
+		sensor.far_sq = round % 5 == 0 ? HUGE_VAL : 4;
+		double given[3][LWI_WIDTH];
+		for ( std::size_t i = 0; i < LWI_WIDTH; ++i )
+		{
+			const double kind = rng.uniform( 0, 20 );
+			for ( std::size_t k = 0; k < 3; ++k )
+			{
+				const double at_sensor = sensor.in_world ? sensor.pose.t[k] : 0;
+				given[k][i] = kind < 1 ? at_sensor : at_sensor + rng.uniform( -2, 2 );
+			}
+			given[static_cast<std::size_t>( rng.uniform( 0, 3 ) )][i] += kind > 19   ? HUGE_VAL
+			                                                             : kind > 18 ? std::nan( "" )
+			                                                                         : 0;
+		}
+		for ( const lwi_kernels* table : kernelLevels() )
+		{
+			lwi_eight_pixels got;
+			lwi_eight_rays rays;
+			table->sensor_points( &grid, &sensor, given, &got, &rays );
+			double points[3][LWI_WIDTH];
+			for ( std::size_t i = 0; i < LWI_WIDTH; ++i )
+			{
+				double ray[3];
+				bool measured = true;
+				for ( std::size_t k = 0; k < 3; ++k )
+				{
+					const double* r = sensor.pose.r[k];
+					ray[k] = sensor.in_world ? given[k][i] - sensor.pose.t[k]
+					                         : r[0] * given[0][i] + r[1] * given[1][i] + r[2] * given[2][i];
+					points[k][i] = sensor.in_world ? given[k][i] : ray[k] + sensor.pose.t[k];
+					measured = measured && std::isfinite( given[k][i] );
+				}
+				const double length_sq = ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2];
+				const bool in = measured && length_sq > 0 && length_sq >= sensor.near_sq && length_sq <= sensor.far_sq;
+				ASSERT_EQ( measured, ( got.measured >> i & 1u ) != 0 ) << "level " << table->level;
+				ASSERT_EQ( in, ( got.in_range >> i & 1u ) != 0 ) << "level " << table->level << ", square " << length_sq;
+				ASSERT_TRUE( !measured || rays.length_sq[i] == length_sq ) << "level " << table->level;
+				for ( std::size_t k = 0; k < 3; ++k )
+				{
+					ASSERT_TRUE( !measured || rays.axis[k][i] == ray[k] ) << "level " << table->level;
+					ASSERT_TRUE( !measured || got.points[k][i] == points[k][i] ) << "level " << table->level;
+				}
+				++( in ? in_range : measured ? beyond : unmeasured );
+			}
+			std::uint32_t place[LWI_WIDTH], voxel[LWI_WIDTH];
+			const std::uint32_t lanes = table->point_voxels( &grid, points, place, voxel ) & got.in_range;
+			ASSERT_EQ( lanes, got.in_grid & got.in_range ) << "level " << table->level;
+			for ( std::size_t i = 0; i < LWI_WIDTH; ++i )
+			{
+				ASSERT_TRUE( ( lanes >> i & 1u ) == 0 || ( place[i] == got.place[i] && voxel[i] == got.voxel[i] ) );
+			}
+		}
+	}
+	EXPECT_GT( in_range, 5000u );
+	EXPECT_GT( beyond, 1000u );
+	EXPECT_GT( unmeasured, 1000u );
+}
+
+TEST( Kernels, ARayHasOtherTangents )
+{
+	SeededRng rng( 20261202 );
+	for ( int round = 0; round < 1000; ++round )
+	{
+		double r[3][3];
+		for ( auto& row : r )
+		{
+			for ( double& x : row )
+			{
+				x = rng.uniform( -1, 1 );
+			}
+		}
+		float rays[3][LWI_WIDTH];
+		for ( auto& axis : rays )
+		{
+			for ( float& x : axis )
+			{
+				x = static_cast<float>( rng.uniform( -3, 3 ) );
+			}
+		}
+		for ( const lwi_kernels* table : kernelLevels() )
+		{
+			double out[3][LWI_WIDTH];
+			table->ray_tangents( r, rays[0], rays[1], rays[2], out );
+			for ( std::size_t i = 0; i < LWI_WIDTH; ++i )
+			{
+				double q[3];
+				for ( std::size_t k = 0; k < 3; ++k )
+				{
+					q[k] = r[k][0] * double( rays[0][i] ) + r[k][1] * double( rays[1][i] ) + r[k][2] * double( rays[2][i] );
+				}
+				ASSERT_EQ( q[0] / q[2], out[0][i] ) << "level " << table->level;
+				ASSERT_EQ( q[1] / q[2], out[1][i] ) << "level " << table->level;
+				ASSERT_EQ( q[2], out[2][i] ) << "level " << table->level;
+			}
+		}
+	}
+}
+
 TEST( Kernels, AVoxelIsBeforeAnotherPixel )
 {
 	SeededRng rng( 20261129 );

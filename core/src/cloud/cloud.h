@@ -294,10 +294,16 @@ void lwi_view_finish( lwi_view* view );
 /// Clears by the rays of a view. @param stamp of the frame: later hits are not cleared
 void lwi_cloud_clear_view( lw_cloud* cloud, const lwi_view* view, uint32_t stamp, lw_cloud_report* report );
 
+/// From the sensor to the points, along the axes of the world: [count] along each axis, and room for a multiple of eight.
+typedef struct lwi_rays
+{
+	float* axis[3];
+	uint32_t count;
+} lwi_rays;
+
 /// Clears by points: views of them, one after the other. Room for these is made by lwi_cloud_points_room().
-/// @param rays [count][3] from the sensor to the points, along the axes of the world
-void lwi_cloud_clear_points( lw_cloud* cloud, const lw_transform* world_from_sensor, float ( *rays )[3], uint32_t count,
-	uint32_t stamp, lw_cloud_report* report );
+void lwi_cloud_clear_points( lw_cloud* cloud, const lw_transform* world_from_sensor, const lwi_rays* rays, uint32_t stamp,
+	lw_cloud_report* report );
 bool lwi_cloud_points_room( lw_cloud* cloud, uint32_t count ); ///< @return false without memory
 
 // ---- shapes: cloud/shapes.c, cloud/boxes.c ----

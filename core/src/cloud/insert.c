@@ -12,7 +12,10 @@ enum
 	FRAME_COOKIE = 0x6c774672, // "lwFr"
 	MOST_SIDE = 8192,          ///< pixels of an image
 	MOST_POINTS = 1 << 26,
-	SQUARE = 16 ///< pixels of an image that are inserted together; a multiple of eight
+	SQUARE = 16, ///< pixels of an image that are inserted together; a multiple of eight
+	ENTERED_BITS = 9,
+	ENTERED = 1 << ENTERED_BITS, ///< blocks
+	WAITING = SQUARE * SQUARE / LWI_WIDTH
 };
 
 lw_cloud_frame lw_cloud_frame_default( void )
@@ -179,8 +182,8 @@ typedef struct inserter
 	const lwi_own_body* bodies;
 	uint32_t body_count;
 	lwi_voxel_grid grid;
-	/// By their numbers in chunks: points of a surface go to and fro between neighbours
-	entered last[LWI_CHUNK_BLOCKS];
+	/// By a hash of their places: points of a surface go to and fro between neighbours
+	entered last[ENTERED];
 	uint32_t expected[LWI_CHUNK_BLOCKS]; ///< places of blocks whose memory was asked for
 } inserter;
 
@@ -194,9 +197,14 @@ static inserter begin_insert( lw_cloud* cloud, const lwi_own_body* bodies, uint3
 		in.grid.low[k] = cloud->low[k];
 		in.grid.high[k] = cloud->high[k];
 	}
+	for ( int i = 0; i < ENTERED; ++i )
+	{
+		in.last[i].place = LW_INVALID_INDEX;
+		in.last[i].block = NULL;
+	}
 	for ( int i = 0; i < LWI_CHUNK_BLOCKS; ++i )
 	{
-		in.last[i].place = in.expected[i] = LW_INVALID_INDEX;
+		in.expected[i] = LW_INVALID_INDEX;
 	}
 	return in;
 }
@@ -282,7 +290,7 @@ static void insert_eight( inserter* in, const lwi_eight_pixels* eight )
 	for ( uint64_t left = eight->in_range & eight->in_grid; left != 0; left &= left - 1 )
 	{
 		const uint32_t i = lwi_lowest( left ), place = eight->place[i], voxel = eight->voxel[i];
-		entered* e = &in->last[place % LWI_CHUNK_BLOCKS];
+		entered* e = &in->last[place * 2654435761u >> ( 32 - ENTERED_BITS )];
 		if ( e->place != place )
 		{
 			leave_block( in, e );
@@ -322,9 +330,25 @@ static void expect_points( inserter* in, const lwi_eight_pixels* eight )
 	}
 }
 
+/// Points, eight by eight, whose voxels are known. The memory of their blocks comes near meanwhile, before the first of them is inserted.
+typedef struct waiting
+{
+	lwi_eight_pixels eights[WAITING];
+	uint32_t count;
+} waiting;
+
+static void insert_waiting( inserter* in, waiting* points )
+{
+	for ( uint32_t i = 0; i < points->count; ++i )
+	{
+		insert_eight( in, &points->eights[i] );
+	}
+	points->count = 0;
+}
+
 static void end_insert( const inserter* in )
 {
-	for ( int i = 0; i < LWI_CHUNK_BLOCKS; ++i )
+	for ( int i = 0; i < ENTERED; ++i )
 	{
 		leave_block( in, &in->last[i] );
 	}
@@ -354,71 +378,115 @@ static double load_double( const unsigned char* from, bool swapped )
 	return value;
 }
 
-/// @param count of the eight that are points
-static void insert_points8( inserter* in, lwi_eight_pixels* eight, uint32_t count )
+/// Coordinates of up to eight points from column u of a row.
+static void load_points( const lw_cloud_points* points, uint32_t row, uint32_t u, uint32_t count, double out[3][LWI_WIDTH] )
 {
-	eight->in_range = ( 1u << count ) - 1;
-	eight->in_grid = in->cloud->kernels->point_voxels( &in->grid, (const double( * )[LWI_WIDTH])eight->points, eight->place,
-		eight->voxel );
-	insert_eight( in, eight );
-}
-
-/// Inserts the points and notes their rays. @return how many rays there are
-static uint32_t insert_points( inserter* in, const lw_cloud_frame* frame, float ( *rays )[3] )
-{
-	const lw_cloud_points* points = &frame->points;
-	const lw_transform* pose = &frame->world_from_sensor;
-	const double near_sq = frame->near * frame->near, far_sq = frame->far * frame->far;
-	uint32_t count = 0, lane = 0;
-	lwi_eight_pixels eight = { 0 };
-	for ( uint32_t i = 0; i < points->width * points->height; ++i )
+	const unsigned char* at = (const unsigned char*)points->data + row * points->row_step + u * points->point_step;
+	for ( uint32_t i = 0; i < count; ++i, at += points->point_step )
 	{
-		const unsigned char* at = (const unsigned char*)points->data + i / points->width * points->row_step +
-								  i % points->width * points->point_step;
-		double c[3];
 		for ( int k = 0; k < 3; ++k )
 		{
 			const unsigned char* from = at + points->offset[k];
-			c[k] =
+			out[k][i] =
 				points->is_double ? load_double( from, points->is_swapped ) : (double)load_float( from, points->is_swapped );
 		}
-		if ( !isfinite( c[0] ) || !isfinite( c[1] ) || !isfinite( c[2] ) )
+	}
+}
+
+/// Appends a ray, of length `scale` times its own.
+static void add_ray( lwi_rays* rays, const lwi_eight_rays* eight, uint32_t i, double scale )
+{
+	for ( int k = 0; k < 3; ++k )
+	{
+		rays->axis[k][rays->count] = (float)( scale * eight->axis[k][i] );
+	}
+	++rays->count;
+}
+
+/// Appends the rays of points in range, and those that are trusted up to `far`.
+static void add_rays( const lw_cloud_frame* frame, const lwi_eight_pixels* points, const lwi_eight_rays* eight,
+	lwi_rays* rays )
+{
+	for ( uint32_t i = 0; points->in_range == 0xff && i < LWI_WIDTH; ++i )
+	{
+		for ( int k = 0; k < 3; ++k )
 		{
-			++in->report->not_measured;
-			continue;
-		}
-		lw_vec3 ray = points->in_world ? lwi_sub( lwi_load( c ), lwi_load( pose->t ) ) : lwi_rotate( pose, lwi_load( c ) );
-		const double length_sq = lwi_length_sq( ray );
-		if ( !( length_sq >= near_sq && length_sq <= far_sq ) || length_sq == 0 )
-		{
-			++in->report->out_of_range;
-			if ( !frame->trust_far || !( length_sq > far_sq ) || !( length_sq < INFINITY ) )
-			{
-				continue;
-			}
-			ray = lwi_scale( frame->far / sqrt( length_sq ), ray );
-		}
-		else
-		{
-			eight.points[0][lane] = points->in_world ? c[0] : ray.x + pose->t[0];
-			eight.points[1][lane] = points->in_world ? c[1] : ray.y + pose->t[1];
-			eight.points[2][lane] = points->in_world ? c[2] : ray.z + pose->t[2];
-			if ( ++lane == 8 )
-			{
-				insert_points8( in, &eight, lane );
-				lane = 0;
-			}
-		}
-		if ( rays != NULL )
-		{
-			rays[count][0] = (float)ray.x;
-			rays[count][1] = (float)ray.y;
-			rays[count][2] = (float)ray.z;
-			++count;
+			rays->axis[k][rays->count + i] = (float)eight->axis[k][i];
 		}
 	}
-	insert_points8( in, &eight, lane );
-	return count;
+	if ( points->in_range == 0xff )
+	{
+		rays->count += LWI_WIDTH;
+		return;
+	}
+	for ( uint64_t left = points->measured; left != 0; left &= left - 1 )
+	{
+		const uint32_t i = lwi_lowest( left );
+		const double length_sq = eight->length_sq[i];
+		if ( ( points->in_range >> i & 1u ) != 0 )
+		{
+			add_ray( rays, eight, i, 1 );
+		}
+		else if ( frame->trust_far && length_sq > frame->far * frame->far && length_sq < INFINITY )
+		{
+			add_ray( rays, eight, i, frame->far / sqrt( length_sq ) );
+		}
+	}
+}
+
+/// Up to eight points of a row.
+static void look_at_points( inserter* in, const lw_cloud_frame* frame, const lwi_point_sensor* sensor,
+	const double ( *given )[LWI_WIDTH], uint32_t count, lwi_eight_pixels* out, lwi_rays* rays )
+{
+	lwi_eight_rays eight;
+	in->cloud->kernels->sensor_points( &in->grid, sensor, given, out, &eight );
+	out->measured &= ( 1u << count ) - 1;
+	out->in_range &= out->measured;
+	in->report->not_measured += count - lwi_bits( out->measured );
+	in->report->out_of_range += lwi_bits( out->measured & ~out->in_range );
+	expect_points( in, out );
+	if ( rays->axis[0] != NULL )
+	{
+		add_rays( frame, out, &eight, rays );
+	}
+}
+
+/// Inserts the points and notes their rays, square by square as those of an image.
+static void insert_points( inserter* in, const lw_cloud_frame* frame, lwi_rays* rays )
+{
+	const lw_cloud_points* points = &frame->points;
+	const lwi_point_sensor sensor = { frame->world_from_sensor, points->in_world, frame->near * frame->near,
+		frame->far * frame->far };
+	const uint32_t square = points->height > 1 ? SQUARE : WAITING * LWI_WIDTH;
+	double given[3][LWI_WIDTH] = { { 0 } };
+	waiting next;
+	next.count = 0;
+	for ( uint32_t top = 0; top < points->height; top += SQUARE )
+	{
+		for ( uint32_t left = 0; left < points->width; left += square )
+		{
+			const uint32_t bottom = points->height - top < SQUARE ? points->height : top + SQUARE;
+			const uint32_t right = points->width - left < square ? points->width : left + square;
+			for ( uint32_t v = top; v < bottom; ++v )
+			{
+				for ( uint32_t u = left; u < right; u += LWI_WIDTH )
+				{
+					const uint32_t count = right - u < LWI_WIDTH ? right - u : LWI_WIDTH;
+					load_points( points, v, u, count, given );
+					look_at_points( in, frame, &sensor, (const double( * )[LWI_WIDTH])given, count,
+						&next.eights[next.count++], rays );
+				}
+			}
+			insert_waiting( in, &next );
+		}
+	}
+	for ( uint32_t i = rays->count; rays->count > 0 && i % LWI_WIDTH != 0; ++i )
+	{
+		for ( int k = 0; k < 3; ++k )
+		{
+			rays->axis[k][i] = rays->axis[k][rays->count - 1]; // the same once more changes nothing
+		}
+	}
 }
 
 /// The depths of a row of pixels, metres.
@@ -474,8 +542,7 @@ static void look_at_pixels( inserter* in, const lwi_pixel_row* row, const double
 	}
 }
 
-/// Inserts the points of some rows: square by square, for neighbours fall into the same blocks. The voxels of a square are known before the first of
-/// them is inserted, so that the memory of its blocks comes near meanwhile.
+/// Inserts the points of some rows: square by square, for neighbours fall into the same blocks.
 static void insert_band( inserter* in, const lw_cloud_frame* frame, const rays_of_depth* rays, uint32_t top,
 	uint32_t bottom )
 {
@@ -486,22 +553,19 @@ static void insert_band( inserter* in, const lw_cloud_frame* frame, const rays_o
 		.most = frame->trust_far ? INFINITY : DBL_MAX,
 		.beyond = frame->trust_far ? frame->far : 0 };
 	memcpy( row.t, frame->world_from_sensor.t, sizeof( row.t ) );
-	lwi_eight_pixels square[SQUARE * SQUARE / LWI_WIDTH];
+	waiting next;
+	next.count = 0;
 	for ( uint32_t left = 0; left < width; left += SQUARE )
 	{
 		const uint32_t right = left + SQUARE < width ? left + SQUARE : width;
-		uint32_t count = 0;
 		for ( uint32_t v = top; v < bottom; ++v )
 		{
 			const size_t begin = (size_t)( v % SQUARE ) * rays->stride;
 			memcpy( row.row, rays->rows[v], sizeof( row.row ) );
-			look_at_pixels( in, &row, rays->depths + begin, left, right, rays->ends + begin, square + count );
-			count += ( right - left + LWI_WIDTH - 1 ) / LWI_WIDTH;
+			look_at_pixels( in, &row, rays->depths + begin, left, right, rays->ends + begin, next.eights + next.count );
+			next.count += ( right - left + LWI_WIDTH - 1 ) / LWI_WIDTH;
 		}
-		for ( uint32_t i = 0; i < count; ++i )
-		{
-			insert_eight( in, square + i );
-		}
+		insert_waiting( in, &next );
 	}
 }
 
@@ -549,7 +613,7 @@ typedef struct prepared
 	lwi_own_body* bodies;
 	uint32_t body_count;
 	bool clears;
-	float ( *rays )[3];
+	lwi_rays rays; ///< of points; NULL: not wanted
 	rays_of_depth directions;
 	lwi_view view;
 } prepared;
@@ -586,12 +650,16 @@ static bool make_room( lw_cloud* cloud, const lw_cloud_frame* frame, prepared* o
 	out->clears = out->clears && count > 0;
 	if ( out->clears )
 	{
-		if ( !lwi_array_reserve( &cloud->scratch[0], &cloud->allocator, 1, count * sizeof( float[3] ) ) ||
+		const size_t room = ( (size_t)count + LWI_WIDTH - 1 ) / LWI_WIDTH * LWI_WIDTH;
+		if ( !lwi_array_reserve( &cloud->scratch[0], &cloud->allocator, 1, room * sizeof( float[3] ) ) ||
 			 !lwi_cloud_points_room( cloud, count ) )
 		{
 			return false;
 		}
-		out->rays = cloud->scratch[0].data;
+		for ( int k = 0; k < 3; ++k )
+		{
+			out->rays.axis[k] = (float*)cloud->scratch[0].data + (size_t)k * room;
+		}
 	}
 	return true;
 }
@@ -670,9 +738,9 @@ lw_status lw_cloud_insert( lw_cloud* cloud, const lw_cloud_frame* frame_in, lw_d
 	}
 	else if ( frame.points.data != NULL )
 	{
-		const uint32_t rays = insert_points( &in, &frame, ready.rays );
+		insert_points( &in, &frame, &ready.rays );
 		end_insert( &in );
-		lwi_cloud_clear_points( cloud, &frame.world_from_sensor, ready.rays, rays, stamp, report );
+		lwi_cloud_clear_points( cloud, &frame.world_from_sensor, &ready.rays, stamp, report );
 	}
 	cloud->occupied += report->added;
 	cloud->occupied -= report->cleared;

@@ -10,7 +10,8 @@ enum
 {
 	POINTS_PER_PIXEL = 2, ///< so that few pixels of a picture of points are empty
 	LEAST_PIXELS = 256,
-	MOST_PIXELS = 1 << 20
+	MOST_PIXELS = 1 << 20,
+	RAYS_FOR_MIDDLE = 1000
 };
 
 static const double WIDEST = 2.0;     ///< tangent: points farther from the middle are not in one picture
@@ -113,11 +114,6 @@ static lw_transform looking( const lw_transform* world_from_sensor, lw_vec3 forw
 	return m;
 }
 
-static lw_vec3 in_view( const lwi_view* view, const float ray[3] )
-{
-	return lwi_rotate( &view->view_from_world, lwi_v3( (double)ray[0], (double)ray[1], (double)ray[2] ) );
-}
-
 /// The picture from these tangents to those: at most so many pixels, nearly square.
 static void fit( lw_cloud* cloud, lwi_view* view, const double low[2], const double high[2], size_t pixels )
 {
@@ -133,94 +129,126 @@ static void fit( lw_cloud* cloud, lwi_view* view, const double low[2], const dou
 	view->sure_depth = 0;
 }
 
-static void fill( lwi_view* view, float ( *rays )[3], uint32_t count )
+/// Eight rays from number `first` in the frame of a view, as in ray_tangents.
+static void tangents_of( const lw_cloud* cloud, const lwi_view* view, const lwi_rays* rays, uint32_t first,
+	double out[3][LWI_WIDTH] )
+{
+	cloud->kernels->ray_tangents( view->view_from_world.r, rays->axis[0] + first, rays->axis[1] + first,
+		rays->axis[2] + first, out );
+}
+
+/// Keeps a ray in its pixel, if it is nearer there than all before.
+static inline void keep_ray( lwi_view* view, double x, double y, double z )
 {
 	const uint32_t width = view->width[0], height = view->height[0];
-	const size_t pixels = (size_t)width * height;
-	float( *kept )[3] = view->rays;
+	const double u = x * view->fx + view->cx + 0.5, v = y * view->fy + view->cy + 0.5;
+	if ( !( z > 0 && u >= 0 && u < width + 1 && v >= 0 && v < height + 1 ) )
+	{
+		return;
+	}
+	// points on the greatest tangents are in the last pixels
+	const uint32_t column = (uint32_t)u < width ? (uint32_t)u : width - 1,
+				   row = (uint32_t)v < height ? (uint32_t)v : height - 1;
+	const size_t at = (size_t)row * width + column;
+	if ( (float)z < view->least[0][at] )
+	{
+		view->least[0][at] = view->greatest[0][at] = (float)z;
+		view->rays[at][0] = (float)( x * z );
+		view->rays[at][1] = (float)( y * z );
+		view->rays[at][2] = (float)z;
+	}
+}
+
+static void fill( const lw_cloud* cloud, lwi_view* view, const lwi_rays* rays )
+{
+	const size_t pixels = (size_t)view->width[0] * view->height[0];
 	for ( size_t i = 0; i < pixels; ++i )
 	{
 		view->least[0][i] = INFINITY;
 		view->greatest[0][i] = 0;
 	}
-	for ( uint32_t i = 0; i < count; ++i )
+	for ( uint32_t first = 0; first < rays->count; first += LWI_WIDTH )
 	{
-		const lw_vec3 q = in_view( view, rays[i] );
-		if ( !( q.z > 0 ) )
+		double eight[3][LWI_WIDTH];
+		tangents_of( cloud, view, rays, first, eight );
+		for ( uint32_t i = 0; i < LWI_WIDTH; ++i )
 		{
-			continue;
-		}
-		const double u = q.x / q.z * view->fx + view->cx + 0.5, v = q.y / q.z * view->fy + view->cy + 0.5;
-		if ( !( u >= 0 && u < width + 1 && v >= 0 && v < height + 1 ) )
-		{
-			continue;
-		}
-		// points on the greatest tangents are in the last pixels
-		const uint32_t column = (uint32_t)u < width ? (uint32_t)u : width - 1,
-					   row = (uint32_t)v < height ? (uint32_t)v : height - 1;
-		const size_t at = (size_t)row * width + column;
-		if ( (float)q.z < view->least[0][at] )
-		{
-			view->least[0][at] = view->greatest[0][at] = (float)q.z;
-			kept[at][0] = (float)q.x;
-			kept[at][1] = (float)q.y;
-			kept[at][2] = (float)q.z;
+			keep_ray( view, eight[0][i], eight[1][i], eight[2][i] );
 		}
 	}
 }
 
 /// Tangents of all rays about the middle of them. @return false: some are too far from it for one picture
-static bool bounds_of( const lwi_view* view, float ( *rays )[3], uint32_t count, double low[2], double high[2] )
+static bool bounds_of( const lw_cloud* cloud, const lwi_view* view, const lwi_rays* rays, double low[2], double high[2] )
 {
-	low[0] = low[1] = INFINITY;
-	high[0] = high[1] = -INFINITY;
-	for ( uint32_t i = 0; i < count; ++i )
+	double least[2][LWI_WIDTH], most[2][LWI_WIDTH], nearest = INFINITY;
+	for ( uint32_t i = 0; i < 2 * LWI_WIDTH; ++i )
 	{
-		const lw_vec3 q = in_view( view, rays[i] );
-		const double x = q.x / q.z, y = q.y / q.z;
-		if ( !( q.z > 0 && fabs( x ) < WIDEST && fabs( y ) < WIDEST ) )
-		{
-			return false;
-		}
-		low[0] = x < low[0] ? x : low[0];
-		high[0] = x > high[0] ? x : high[0];
-		low[1] = y < low[1] ? y : low[1];
-		high[1] = y > high[1] ? y : high[1];
+		least[i / LWI_WIDTH][i % LWI_WIDTH] = INFINITY;
+		most[i / LWI_WIDTH][i % LWI_WIDTH] = -INFINITY;
 	}
-	return true;
+	for ( uint32_t first = 0; first < rays->count; first += LWI_WIDTH )
+	{
+		double eight[3][LWI_WIDTH];
+		tangents_of( cloud, view, rays, first, eight );
+		for ( uint32_t i = 0; i < LWI_WIDTH; ++i )
+		{
+			for ( int k = 0; k < 2; ++k )
+			{
+				least[k][i] = lwi_smaller( least[k][i], eight[k][i] );
+				most[k][i] = lwi_larger( most[k][i], eight[k][i] );
+			}
+			nearest = lwi_smaller( nearest, eight[2][i] );
+		}
+	}
+	for ( int k = 0; k < 2; ++k )
+	{
+		low[k] = INFINITY;
+		high[k] = -INFINITY;
+		for ( uint32_t i = 0; i < LWI_WIDTH; ++i )
+		{
+			low[k] = lwi_smaller( low[k], least[k][i] );
+			high[k] = lwi_larger( high[k], most[k][i] );
+		}
+	}
+	return nearest > 0 && low[0] > -WIDEST && low[1] > -WIDEST && high[0] < WIDEST && high[1] < WIDEST;
 }
 
-static lw_vec3 middle_of( float ( *rays )[3], uint32_t count )
+/// The sum of unit rays, of some that lie evenly in the frame: any direction about there will do.
+static lw_vec3 middle_of( const lwi_rays* rays, uint32_t* used )
 {
+	const uint32_t step = rays->count / RAYS_FOR_MIDDLE + 1;
 	lw_vec3 sum = { 0, 0, 0 };
-	for ( uint32_t i = 0; i < count; ++i )
+	*used = 0;
+	for ( uint32_t i = 0; i < rays->count; i += step, ++*used )
 	{
-		const lw_vec3 ray = lwi_v3( (double)rays[i][0], (double)rays[i][1], (double)rays[i][2] );
+		const lw_vec3 ray = lwi_v3( (double)rays->axis[0][i], (double)rays->axis[1][i], (double)rays->axis[2][i] );
 		const double length = lwi_length( ray );
 		sum = length > 0 ? lwi_add_scaled( sum, 1 / length, ray ) : sum;
 	}
 	return sum;
 }
 
-void lwi_cloud_clear_points( lw_cloud* cloud, const lw_transform* world_from_sensor, float ( *rays )[3], uint32_t count,
-	uint32_t stamp, lw_cloud_report* report )
+void lwi_cloud_clear_points( lw_cloud* cloud, const lw_transform* world_from_sensor, const lwi_rays* rays, uint32_t stamp,
+	lw_cloud_report* report )
 {
-	if ( rays == NULL || count == 0 )
+	if ( rays->count == 0 )
 	{
 		return;
 	}
-	const size_t pixels = pixels_for( count );
-	const lw_vec3 middle = middle_of( rays, count );
+	const size_t pixels = pixels_for( rays->count );
+	uint32_t used;
+	const lw_vec3 middle = middle_of( rays, &used );
 	const double length = lwi_length( middle );
 	double low[2], high[2];
 	lwi_view view = { 0 };
-	if ( length > 1e-3 * count )
+	if ( length > 1e-3 * used )
 	{
 		view.view_from_world = looking( world_from_sensor, lwi_scale( 1 / length, middle ) );
-		if ( bounds_of( &view, rays, count, low, high ) )
+		if ( bounds_of( cloud, &view, rays, low, high ) )
 		{
 			fit( cloud, &view, low, high, pixels );
-			fill( &view, rays, count );
+			fill( cloud, &view, rays );
 			lwi_view_finish( &view );
 			lwi_cloud_clear_view( cloud, &view, stamp, report );
 			return;
@@ -234,7 +262,7 @@ void lwi_cloud_clear_points( lw_cloud* cloud, const lw_transform* world_from_sen
 		low[0] = low[1] = -CUBE_SIDE;
 		high[0] = high[1] = CUBE_SIDE;
 		fit( cloud, &view, low, high, pixels / 4 + 1 );
-		fill( &view, rays, count );
+		fill( cloud, &view, rays );
 		lwi_view_finish( &view );
 		lwi_cloud_clear_view( cloud, &view, stamp, report );
 	}

@@ -171,6 +171,13 @@ typedef struct lwi_kernels
 	/// The points of eight pixels of a row. @param depths of columns u to u + 7, metres; a depth that is NaN, 0 or negative is not measured
 	void ( *pixel_voxels )( const lwi_voxel_grid* grid, const lwi_pixel_row* row, uint32_t u, const double* depths,
 		lwi_eight_pixels* out );
+	/// Eight points of a sensor: sets points, voxels and lanes of `out`, and their rays. @param given [3][8] coordinates; those that are not finite are not
+	/// measured
+	void ( *sensor_points )( const lwi_voxel_grid* grid, const lwi_point_sensor* sensor, const double ( *given )[LWI_WIDTH],
+		lwi_eight_pixels* out, lwi_eight_rays* rays );
+	/// Eight rays in a view. @param r rotation from the world to the view @param x, y, z [8] of the rays @param out [3][8] tangents x / z and y / z, and z
+	void (
+		*ray_tangents )( const double r[3][3], const float* x, const float* y, const float* z, double ( *out )[LWI_WIDTH] );
 	/// Lanes of a cube of eight voxels whose middle's pixel saw something behind them. @param middle of the cube, frame of the view
 	uint32_t ( *voxels_before )( const lwi_voxel_view* view, const float middle[3] );
 } lwi_kernels;

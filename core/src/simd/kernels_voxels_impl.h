@@ -85,6 +85,88 @@ static void pixel_voxels( const lwi_voxel_grid* grid, const lwi_pixel_row* row, 
 	}
 }
 
+// The next two are functions of their own as pixel_points() is.
+static inline void turned( const double r[3][3], int axis, const double ( *restrict in )[LWI_WIDTH], double* restrict out )
+{
+	const double x = r[axis][0], y = r[axis][1], z = r[axis][2];
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		out[i] = x * in[0][i] + y * in[1][i] + z * in[2][i];
+	}
+}
+
+static inline void added( const double* restrict in, double by, double* restrict out )
+{
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		out[i] = in[i] + by;
+	}
+}
+
+static void sensor_points( const lwi_voxel_grid* grid, const lwi_point_sensor* sensor,
+	const double ( *restrict given )[LWI_WIDTH], lwi_eight_pixels* restrict out, lwi_eight_rays* restrict rays )
+{
+	for ( int k = 0; k < 3; ++k )
+	{
+		if ( sensor->in_world )
+		{
+			added( given[k], 0, out->points[k] );
+			added( given[k], -sensor->pose.t[k], rays->axis[k] );
+		}
+		else
+		{
+			turned( sensor->pose.r, k, given, rays->axis[k] );
+			added( rays->axis[k], sensor->pose.t[k], out->points[k] );
+		}
+	}
+	const double near = sensor->near_sq, far = sensor->far_sq;
+	double is[LWI_WIDTH], in[LWI_WIDTH];
+	int32_t measured[LWI_WIDTH], in_range[LWI_WIDTH];
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		const double x = rays->axis[0][i], y = rays->axis[1][i], z = rays->axis[2][i], l = x * x + y * y + z * z;
+		const double a = given[0][i], b = given[1][i], c = given[2][i], none = ( a - a ) + ( b - b ) + ( c - c );
+		const double near_enough = l <= far ? 1 : 0, far_enough = l >= near ? near_enough : 0;
+		rays->length_sq[i] = l;
+		is[i] = none == 0 ? 1 : 0;
+		in[i] = l > 0 ? far_enough : 0;
+	}
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		measured[i] = (int32_t)is[i];
+		in_range[i] = (int32_t)( is[i] * in[i] );
+	}
+	out->in_grid = point_voxels( grid, (const double( * )[LWI_WIDTH])out->points, out->place, out->voxel );
+	out->measured = out->in_range = 0;
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		out->measured |= (uint32_t)measured[i] << i;
+		out->in_range |= (uint32_t)in_range[i] << i;
+	}
+}
+
+static void ray_tangents( const double r[3][3], const float* restrict x, const float* restrict y, const float* restrict z,
+	double ( *restrict out )[LWI_WIDTH] )
+{
+	double in[3][LWI_WIDTH], to[3][LWI_WIDTH];
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		in[0][i] = (double)x[i];
+		in[1][i] = (double)y[i];
+		in[2][i] = (double)z[i];
+	}
+	for ( int k = 0; k < 3; ++k )
+	{
+		turned( r, k, (const double( * )[LWI_WIDTH])in, to[k] );
+	}
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		out[0][i] = to[0][i] / to[2][i];
+		out[1][i] = to[1][i] / to[2][i];
+		out[2][i] = to[2][i];
+	}
+}
+
 static uint32_t voxels_before( const lwi_voxel_view* view, const float middle[3] )
 {
 	const float width = (float)view->width, height = (float)view->height;

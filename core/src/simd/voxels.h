@@ -39,6 +39,21 @@ typedef struct lwi_eight_pixels
 	uint32_t measured, in_range, in_grid;        ///< lanes
 } lwi_eight_pixels;
 
+/// Points of a sensor, and which of them count: those from `near` to `far`.
+typedef struct lwi_point_sensor
+{
+	lw_transform pose; ///< world_from_sensor
+	bool in_world;     ///< points are given in the world, not in the sensor's frame
+	double near_sq, far_sq;
+} lwi_point_sensor;
+
+/// What eight points say, beside lwi_eight_pixels.
+typedef struct lwi_eight_rays
+{
+	double axis[3][LWI_WIDTH]; ///< from the sensor to the points, along the axes of the world
+	double length_sq[LWI_WIDTH];
+} lwi_eight_rays;
+
 /// The depths that a sensor saw, and a cube of eight voxels in its view: pixel (u, v) looks along ((u - cx) / fx, (v - cy) / fy, 1).
 typedef struct lwi_voxel_view
 {
