@@ -2,10 +2,11 @@
 // Kernels of voxels (simd/voxels.h), a part of simd/kernels_impl.h: plain loops over lanes, each with one type of numbers, which compilers turn into
 // vector instructions.
 
-/// The bits of a number below 8 as every third one.
-static inline uint32_t spread3( uint32_t n )
+/// The bits of a number below 32 as every third one.
+static inline uint32_t spread5( uint32_t n )
 {
-	return ( n & 1u ) | ( n & 2u ) << 2 | ( n & 4u ) << 4;
+	const uint32_t a = ( n | n << 8 ) & 0x100fu, b = ( a | a << 4 ) & 0x10c3u;
+	return ( b | b << 2 ) & 0x1249u;
 }
 
 static uint32_t point_voxels( const lwi_voxel_grid* grid, const double ( *restrict point )[LWI_WIDTH],
@@ -31,9 +32,10 @@ static uint32_t point_voxels( const lwi_voxel_grid* grid, const double ( *restri
 	{
 		const uint32_t x = (uint32_t)v[0][i], y = (uint32_t)v[1][i], z = (uint32_t)v[2][i];
 		const uint32_t chunk = ( z / LWI_CHUNK_EDGE * tall + y / LWI_CHUNK_EDGE ) * wide + x / LWI_CHUNK_EDGE;
-		voxel[i] = spread3( x ) | spread3( y ) << 1 | spread3( z ) << 2;
-		place[i] = chunk * LWI_CHUNK_BLOCKS | ( spread3( x / LWI_BLOCK_EDGE % 4 ) | spread3( y / LWI_BLOCK_EDGE % 4 ) << 1 |
-												  spread3( z / LWI_BLOCK_EDGE % 4 ) << 2 );
+		const uint32_t morton =
+			spread5( x % LWI_CHUNK_EDGE ) | spread5( y % LWI_CHUNK_EDGE ) << 1 | spread5( z % LWI_CHUNK_EDGE ) << 2;
+		voxel[i] = morton % LWI_BLOCK_VOXELS;
+		place[i] = chunk * LWI_CHUNK_BLOCKS | morton / LWI_BLOCK_VOXELS;
 	}
 	uint32_t outside = 0;
 	for ( int i = 0; i < LWI_WIDTH; ++i )

@@ -3,6 +3,7 @@
 #ifndef LEEWAY_SIMD_VOXELS_H
 #define LEEWAY_SIMD_VOXELS_H
 
+#include "leeway/math.h"
 #include "simd/tree_layout.h"
 
 enum
