@@ -218,6 +218,105 @@ TEST_P( NearWorlds, AStaleBoundMissesNoPair )
 
 INSTANTIATE_TEST_SUITE_P( Random, NearWorlds, testing::Range( 0, 24 ) );
 
+/// One sliding link with `count` bodies beside as many obstacles.
+leeway::Checker crowd( const std::vector<lw_transform>& bodies, const std::vector<lw_transform>& obstacles, double radius )
+{
+	const double size[3] = { radius, 0, 0 };
+	lw_shape* ball = nullptr;
+	EXPECT_EQ( LW_OK, lw_shape_create_primitive( LW_SHAPE_SPHERE, size, nullptr, nullptr, &ball ) );
+	const leeway::Shape owner = leeway::Shape::adopt( ball );
+	lw_robot_def robot_def = lw_robot_def_default();
+	const char* links[2] = { "base", "slider" };
+	lw_joint_def joint = lw_joint_def_default();
+	joint.name = "slide";
+	joint.type = LW_JOINT_PRISMATIC;
+	joint.parent = 0;
+	joint.child = 1;
+	joint.lower = -1;
+	joint.upper = 1;
+	std::vector<lw_body_def> body_defs;
+	for ( const lw_transform& pose : bodies )
+	{
+		lw_body_def body = {};
+		body.link = 1;
+		body.shape = ball;
+		body.link_from_shape = pose;
+		body_defs.push_back( body );
+	}
+	robot_def.link_names = links;
+	robot_def.link_count = 2;
+	robot_def.joints = &joint;
+	robot_def.joint_count = 1;
+	robot_def.bodies = body_defs.data();
+	robot_def.body_count = static_cast<std::uint32_t>( bodies.size() );
+	lw_robot* robot = nullptr;
+	EXPECT_EQ( LW_OK, lw_robot_create( &robot_def, nullptr, nullptr, &robot ) );
+	const leeway::Robot robot_owner = leeway::Robot::adopt( robot );
+	std::vector<lw_scene_shape_def> shapes;
+	for ( const lw_transform& pose : obstacles )
+	{
+		shapes.push_back( { ball, 0, pose } );
+	}
+	const char* name = "obstacles";
+	lw_scene_def scene_def = lw_scene_def_default();
+	scene_def.shapes = shapes.data();
+	scene_def.shape_count = static_cast<std::uint32_t>( shapes.size() );
+	scene_def.object_names = &name;
+	scene_def.object_count = 1;
+	lw_scene* scene = nullptr;
+	EXPECT_EQ( LW_OK, lw_scene_create( &scene_def, nullptr, nullptr, &scene ) );
+	const leeway::Scene scene_owner = leeway::Scene::adopt( scene );
+	lw_checker_def def = lw_checker_def_default();
+	def.robot = robot;
+	def.scene = scene;
+	lw_checker* checker = nullptr;
+	EXPECT_EQ( LW_OK, lw_checker_create( &def, nullptr, nullptr, &checker ) );
+	return leeway::Checker::adopt( checker );
+}
+
+TEST( Near, ManyRowsAreInAnotherOrderThanTheirDistances )
+{
+	SeededRng rng( 20261204 );
+	for ( int round = 0; round < 12; ++round )
+	{
+		// on a grid many distances are equal; one obstacle is very far; all are equally far; anywhere
+		std::vector<lw_transform> bodies( 30, lw_transform_identity() ), obstacles = bodies;
+		for ( std::size_t i = 0; i < bodies.size(); ++i )
+		{
+			for ( std::size_t k = 0; k < 3; ++k )
+			{
+				const bool grid = round % 4 == 0, same = round % 4 == 2;
+				bodies[i].t[k] = same ? 0 : grid ? 0.25 * std::floor( rng.uniform( 0, 4 ) ) : rng.uniform( 0, 1 );
+				obstacles[i].t[k] = same ? 2 : 2 + ( grid ? 0.25 * std::floor( rng.uniform( 0, 4 ) ) : rng.uniform( 0, 1 ) );
+			}
+		}
+		obstacles[7].t[0] = round % 4 == 1 ? 1e7 : obstacles[7].t[0];
+		const leeway::Checker checker = crowd( bodies, obstacles, 0.01 );
+		const leeway::Query query = queryOf( checker.get() );
+		lw_near_def def = lw_near_def_default();
+		def.distance = INFINITY;
+		const NearRows all = nearPairs( checker.get(), query.get(), { 0.0 }, def );
+		ASSERT_EQ( LW_OK, all.status );
+		ASSERT_EQ( all.rows.size(), 900u );
+		const auto key = []( const lw_near_pair& row )
+		{ return std::make_tuple( row.clearance.upper, row.self, row.body_a, row.body_b ); };
+		for ( std::size_t i = 1; i < all.rows.size(); ++i )
+		{
+			ASSERT_LT( key( all.rows[i - 1] ), key( all.rows[i] ) ) << "round " << round << ", row " << i;
+		}
+		for ( const std::uint32_t capacity : { 1u, 5u, 100u, 899u } )
+		{
+			const NearRows few = nearPairs( checker.get(), query.get(), { 0.0 }, def, capacity );
+			ASSERT_EQ( few.rows.size(), capacity );
+			EXPECT_EQ( few.total, 900u );
+			for ( std::size_t i = 0; i < capacity; ++i )
+			{
+				ASSERT_EQ( key( all.rows[i] ), key( few.rows[i] ) ) << "capacity " << capacity << ", row " << i;
+			}
+		}
+	}
+}
+
 TEST( Near, BadArgumentsReadAsNoClearance )
 {
 	const EdgeWorld world = randomWorld( 77 );

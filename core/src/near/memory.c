@@ -224,13 +224,13 @@ static void search( near_pair* p, lwi_bound* bound )
 	cache->fronts_used += m->front_count;
 }
 
-void lwi_near_search( const lw_checker* checker, lw_query* query, const lwi_near_bodies* bodies, lwi_bound* bound )
+lw_clearance lwi_near_search( const lw_checker* checker, lw_query* query, const lwi_near_bodies* bodies, lwi_bound* bound )
 {
 	near_pair p = meet( checker, query, bodies );
 	lwi_near_memory* m = p.memory;
 	if ( m->apart - m->moved >= bound->cutoff )
 	{
-		return;
+		return lwi_bound_result( bound );
 	}
 	const lw_range range = bound->range;
 	if ( m->far && p.step < INFINITY && range.max_d < INFINITY )
@@ -240,6 +240,8 @@ void lwi_near_search( const lw_checker* checker, lw_query* query, const lwi_near
 	}
 	search( &p, bound );
 	bound->range = range;
-	m->far = lwi_bound_result( bound ).kind == LW_CLEARANCE_FAR;
+	const lw_clearance found = lwi_bound_result( bound );
+	m->far = found.kind == LW_CLEARANCE_FAR;
 	m->apart = bound->done ? -INFINITY : fmin( bound->floor, bound->cutoff ) + m->moved;
+	return found;
 }

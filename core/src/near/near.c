@@ -7,6 +7,8 @@
 #include "depth/depth.h"
 #include "scene/scene.h"
 
+#include <string.h>
+
 enum
 {
 	NEAR_COOKIE = 0x6c774e72 // "lwNr"
@@ -17,13 +19,22 @@ lw_near_def lw_near_def_default( void )
 	return ( lw_near_def ){ .flags = LW_CHECK_BOTH, .distance = 0.05, .cookie = NEAR_COOKIE };
 }
 
+enum
+{
+	BUCKETS = 256, ///< of rows by their distance, at most
+	FEW = 8        ///< rows that are sorted one by one
+};
+
 typedef struct near_search
 {
 	const lw_checker* checker;
 	lw_query* query;
 	const lw_near_def* def;
-	lw_near_pair* rows; ///< [capacity] a heap until the end: the farthest row first
+	lw_near_pair* rows; ///< [capacity]
 	uint32_t capacity, kept, total;
+	bool is_heap;      ///< the farthest row is the first: more were near than fit
+	lw_near_pair next; ///< the row in work where there is no room for it
+	lwi_bound plain;   ///< of a pair without a margin, before its search
 } near_search;
 
 // --- rows ------------------------------------------------------------------------------------------------------------
@@ -59,34 +70,136 @@ static void sink( lw_near_pair* rows, uint32_t count, uint32_t at )
 	rows[at] = row;
 }
 
-static void keep( near_search* s, const lw_near_pair* row )
+/// Makes rows a heap.
+static void heap( lw_near_pair* rows, uint32_t count )
+{
+	for ( uint32_t at = count / 2; at-- > 0; )
+	{
+		sink( rows, count, at );
+	}
+}
+
+/// Where the next row is made.
+static lw_near_pair* next_row( near_search* s )
+{
+	return s->kept < s->capacity ? &s->rows[s->kept] : &s->next;
+}
+
+/// Keeps the row that next_row() gave.
+static void keep( near_search* s )
 {
 	s->total++;
 	if ( s->kept < s->capacity )
 	{
-		uint32_t at = s->kept++;
-		for ( ; at > 0 && is_before( &s->rows[( at - 1 ) / 2], row ); at = ( at - 1 ) / 2 )
-		{
-			s->rows[at] = s->rows[( at - 1 ) / 2];
-		}
-		s->rows[at] = *row;
+		s->kept++;
+		return;
 	}
-	else if ( s->capacity > 0 && is_before( row, &s->rows[0] ) )
+	if ( s->capacity > 0 && !s->is_heap )
 	{
-		s->rows[0] = *row;
+		heap( s->rows, s->kept );
+		s->is_heap = true;
+	}
+	if ( s->capacity > 0 && is_before( &s->next, &s->rows[0] ) )
+	{
+		s->rows[0] = s->next;
 		sink( s->rows, s->kept, 0 );
 	}
 }
 
-/// Nearest first.
-static void sort( near_search* s )
+static void sort_bucket( lw_near_pair* rows, uint32_t count )
 {
-	for ( uint32_t count = s->kept; count > 1; )
+	for ( uint32_t i = 1; count <= FEW && i < count; ++i )
 	{
-		const lw_near_pair farthest = s->rows[0];
-		s->rows[0] = s->rows[--count];
-		s->rows[count] = farthest;
-		sink( s->rows, count, 0 );
+		const lw_near_pair row = rows[i];
+		uint32_t at = i;
+		for ( ; at > 0 && is_before( &row, &rows[at - 1] ); --at )
+		{
+			rows[at] = rows[at - 1];
+		}
+		rows[at] = row;
+	}
+	if ( count > FEW )
+	{
+		heap( rows, count );
+		while ( count > 1 )
+		{
+			const lw_near_pair farthest = rows[0];
+			rows[0] = rows[--count];
+			rows[count] = farthest;
+			sink( rows, count, 0 );
+		}
+	}
+}
+
+/// Rows by their distance.
+typedef struct buckets
+{
+	double least, scale; ///< the least distance of all, and buckets a metre
+	uint32_t count;
+	uint32_t end[BUCKETS]; ///< rows of buckets up to this one
+} buckets;
+
+static uint32_t bucket_of( const buckets* b, const lw_near_pair* row )
+{
+	return (uint32_t)lwi_clamp( ( row->clearance.upper - b->least ) * b->scale, 0, b->count - 1 );
+}
+
+/// Moves the rows into their buckets, each a few times at most.
+static void fill_buckets( const buckets* all, lw_near_pair* rows )
+{
+	uint32_t next[BUCKETS];
+	for ( uint32_t b = 0; b < all->count; ++b )
+	{
+		next[b] = b > 0 ? all->end[b - 1] : 0;
+	}
+	for ( uint32_t b = 0; b < all->count; ++b )
+	{
+		while ( next[b] < all->end[b] )
+		{
+			lw_near_pair row = rows[next[b]];
+			for ( uint32_t to = bucket_of( all, &row ); to != b; to = bucket_of( all, &row ) )
+			{
+				const lw_near_pair other = rows[next[to]];
+				rows[next[to]++] = row;
+				row = other;
+			}
+			rows[next[b]++] = row;
+		}
+	}
+}
+
+/// Nearest first.
+static void sort( lw_near_pair* rows, uint32_t count )
+{
+	double least = INFINITY, most = -INFINITY;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		least = lwi_smaller( least, rows[i].clearance.upper );
+		most = lwi_larger( most, rows[i].clearance.upper );
+	}
+	buckets all;
+	all.count = count < BUCKETS ? count : BUCKETS;
+	all.least = least;
+	all.scale = all.count / ( most - least );
+	if ( count <= FEW || !( all.scale > 0 && all.scale < INFINITY ) )
+	{
+		sort_bucket( rows, count );
+		return;
+	}
+	memset( all.end, 0, all.count * sizeof( all.end[0] ) );
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		++all.end[bucket_of( &all, &rows[i] )];
+	}
+	for ( uint32_t b = 1; b < all.count; ++b )
+	{
+		all.end[b] += all.end[b - 1];
+	}
+	fill_buckets( &all, rows );
+	for ( uint32_t b = 0; b < all.count; ++b )
+	{
+		const uint32_t begin = b > 0 ? all.end[b - 1] : 0;
+		sort_bucket( rows + begin, all.end[b] - begin );
 	}
 }
 
@@ -95,6 +208,10 @@ static void sort( near_search* s )
 /// A bound for one pair: contact ends the search, a margin does not.
 static lwi_bound bound_of( const near_search* s, double margin )
 {
+	if ( margin == 0 )
+	{
+		return s->plain;
+	}
 	const lw_range range = { -margin, s->def->distance, s->def->alpha };
 	return lwi_near_bound( s->query, &range );
 }
@@ -161,16 +278,22 @@ static void find_depth( near_search* s, const lwi_bound* bound, lw_near_pair* ro
 	row->direction = s->def->tie_width > 0 && !only ? LW_DIRECTION_TIED : LW_DIRECTION_UNIQUE;
 }
 
-/// The row of a finished search, if its pair is near.
-/// @param row with its bodies, links and `self`
-static void take( near_search* s, const lwi_bound* bound, lw_near_pair* row )
+/// Searches a pair and keeps its row, if it is near. @param a, b link, and object or link
+static void look( near_search* s, const lwi_near_bodies* bodies, uint32_t a, uint32_t b, double margin )
 {
-	const uint32_t a = row->clearance.a, b = row->clearance.b;
-	row->clearance = lwi_bound_result( bound );
+	lw_near_pair* row = next_row( s );
+	lwi_bound found = bound_of( s, margin );
+	const lwi_bound* bound = &found;
+	row->clearance = lwi_near_search( s->checker, s->query, bodies, &found );
 	if ( bound->failed || row->clearance.kind == LW_CLEARANCE_FAR )
 	{
 		return;
 	}
+	row->normal = lwi_v3( 0, 0, 0 );
+	row->body_a = bodies->a;
+	row->body_b = bodies->b;
+	row->self = bodies->self;
+	row->direction = LW_DIRECTION_NONE;
 	const lw_transform* pose = &s->query->pose.world_from_body[row->body_a];
 	row->clearance.a = a;
 	row->clearance.b = b;
@@ -197,7 +320,7 @@ static void take( near_search* s, const lwi_bound* bound, lw_near_pair* row )
 			lower( &s->def->link_clearance[b], row->clearance.lower );
 		}
 	}
-	keep( s, row );
+	keep( s );
 }
 
 static void look_at_obstacles( near_search* s, uint32_t body )
@@ -207,12 +330,8 @@ static void look_at_obstacles( near_search* s, uint32_t body )
 	for ( uint32_t i = 0; i < count; ++i )
 	{
 		const uint32_t shape = s->query->scratch.candidates[i].pair, object = c->scene->shapes[shape].object;
-		lwi_bound bound = bound_of( s, lwi_environment_margin( c, body, object ) );
-		lwi_near_search( c, s->query, &( lwi_near_bodies ){ body, shape, false }, &bound );
-		lw_near_pair row = { .body_a = body, .body_b = shape };
-		row.clearance.a = c->base->bodies[body].link;
-		row.clearance.b = object;
-		take( s, &bound, &row );
+		look( s, &( lwi_near_bodies ){ body, shape, false }, c->base->bodies[body].link, object,
+			lwi_environment_margin( c, body, object ) );
 	}
 }
 
@@ -241,12 +360,9 @@ static void look_at_self( near_search* s )
 	uint32_t count = lwi_checker_near_self( c, s->query, &all ), pair;
 	while ( ( pair = lwi_checker_next_near_self( c, s->query, &all, &count ) ) != LW_INVALID_INDEX )
 	{
-		lw_near_pair row = { .body_a = pair / stride, .body_b = pair % stride, .self = true };
-		row.clearance.a = c->base->bodies[row.body_a].link;
-		row.clearance.b = c->base->bodies[row.body_b].link;
-		lwi_bound bound = bound_of( s, lwi_self_margin( c->base, row.body_a, row.body_b ) );
-		lwi_near_search( c, s->query, &( lwi_near_bodies ){ row.body_a, row.body_b, true }, &bound );
-		take( s, &bound, &row );
+		const uint32_t a = pair / stride, b = pair % stride;
+		look( s, &( lwi_near_bodies ){ a, b, true }, c->base->bodies[a].link, c->base->bodies[b].link,
+			lwi_self_margin( c->base, a, b ) );
 	}
 }
 
@@ -279,11 +395,18 @@ lw_status lw_checker_near( const lw_checker* checker, lw_query* query, const dou
 	{
 		return LW_ERROR_INVALID_DEF;
 	}
-	near_search s = { checker, query, def, out, capacity, 0, 0 };
 	if ( checker == NULL )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
+	near_search s;
+	s.checker = checker;
+	s.query = query;
+	s.def = def;
+	s.rows = out;
+	s.capacity = capacity;
+	s.kept = s.total = 0;
+	s.is_heap = false;
 	fill_links( &s, -INFINITY );
 	lw_status status = LW_ERROR_INVALID_ARGUMENT;
 	if ( !arguments_are_valid( &s, q ) || ( status = lwi_checker_pose( checker, query, q ) ) != LW_OK )
@@ -292,6 +415,8 @@ lw_status lw_checker_near( const lw_checker* checker, lw_query* query, const dou
 	}
 	fill_links( &s, def->distance );
 	lwi_near_open( query );
+	const lw_range plain = { 0, def->distance, def->alpha };
+	s.plain = lwi_near_bound( query, &plain );
 	query->search.failure = LW_OK;
 	if ( ( def->flags & LW_CHECK_ENVIRONMENT ) != 0 )
 	{
@@ -306,7 +431,7 @@ lw_status lw_checker_near( const lw_checker* checker, lw_query* query, const dou
 		fill_links( &s, -INFINITY );
 		return query->search.failure;
 	}
-	sort( &s );
+	sort( out, s.kept );
 	for ( uint32_t i = 0; def->derivatives != NULL && i < s.kept; ++i )
 	{
 		lwi_near_derivatives( checker, query, &out[i], def->derivatives + (size_t)i * checker->base->group.variable_count );
