@@ -156,8 +156,9 @@ lw_status lw_shape_depth( const lw_shape* a, const lw_transform* world_from_a, c
 	{
 		return LW_ERROR_INVALID_DEF;
 	}
+	lw_transform pose_a, pose_b;
 	if ( a == NULL || b == NULL || world_from_a == NULL || world_from_b == NULL || query == NULL || !( wanted.width >= 0 ) ||
-		 wanted.steps == 0 || !lw_transform_is_valid( world_from_a ) || !lw_transform_is_valid( world_from_b ) )
+		 wanted.steps == 0 || !lwi_pose_given( world_from_a, &pose_a ) || !lwi_pose_given( world_from_b, &pose_b ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
@@ -172,7 +173,6 @@ lw_status lw_shape_depth( const lw_shape* a, const lw_transform* world_from_a, c
 	{
 		return status;
 	}
-	const lw_transform pose_a = lwi_orthonormal( world_from_a ), pose_b = lwi_orthonormal( world_from_b );
 	const lw_transform a_from_b = lwi_relative( &pose_a, &pose_b );
 	lwi_depth( &query->search, made_a, made_b, &a_from_b, &wanted, 0, out );
 	if ( out->kind == LW_DEPTH_OVERLAP )

@@ -94,6 +94,8 @@ static inline uint32_t lwi_named_element( const lw_shape* shape, uint32_t elemen
 
 /// A copy whose rotation is orthonormal to rounding; rotations that are so already keep their bits.
 lw_transform lwi_orthonormal( const lw_transform* transform );
+/// lw_transform_is_valid(), and lwi_orthonormal() of it; of a rotation to rounding in one look. @return false: not valid
+bool lwi_pose_given( const lw_transform* given, lw_transform* out );
 
 LW_EXTERN_C_END
 

@@ -302,3 +302,25 @@ lw_transform lwi_orthonormal( const lw_transform* transform )
 	}
 	return m;
 }
+
+bool lwi_pose_given( const lw_transform* given, lw_transform* out )
+{
+	const lw_vec3 x = lwi_load( given->r[0] ), y = lwi_load( given->r[1] ), z = lwi_load( given->r[2] );
+	const double off[6] = { lwi_dot( x, x ) - 1, lwi_dot( y, y ) - 1, lwi_dot( z, z ) - 1, lwi_dot( x, y ), lwi_dot( x, z ),
+		lwi_dot( y, z ) };
+	bool is_rotation = lwi_dot( lwi_cross( x, y ), z ) > 0;
+	for ( int i = 0; i < 6; ++i )
+	{
+		is_rotation &= fabs( off[i] ) <= ALREADY_ORTHONORMAL; // NaN is not
+	}
+	for ( int i = 0; i < 3; ++i )
+	{
+		is_rotation &= fabs( given->t[i] ) <= LW_MAX_TRANSLATION;
+	}
+	if ( !is_rotation && !lw_transform_is_valid( given ) )
+	{
+		return false;
+	}
+	*out = is_rotation ? *given : lwi_orthonormal( given );
+	return true;
+}

@@ -12,8 +12,10 @@ lw_status lw_shape_distance( const lw_shape* a, const lw_transform* world_from_a
 	}
 	*out = lw_clearance_unknown();
 	lw_range wanted = range != NULL ? *range : lw_range_exact();
+	lw_transform pose_a, pose_b;
 	if ( a == NULL || b == NULL || world_from_a == NULL || world_from_b == NULL || query == NULL ||
-		 !lwi_range_is_valid( &wanted ) || !lw_transform_is_valid( world_from_a ) || !lw_transform_is_valid( world_from_b ) )
+		 !lwi_range_is_valid( &wanted ) || !lwi_pose_given( world_from_a, &pose_a ) ||
+		 !lwi_pose_given( world_from_b, &pose_b ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
@@ -21,7 +23,6 @@ lw_status lw_shape_distance( const lw_shape* a, const lw_transform* world_from_a
 	{
 		return LW_ERROR_UNSUPPORTED;
 	}
-	lw_transform pose_a = lwi_orthonormal( world_from_a ), pose_b = lwi_orthonormal( world_from_b );
 	lw_transform a_from_b = lwi_relative( &pose_a, &pose_b );
 	lwi_bound bound;
 	lwi_bound_init( &bound, &wanted );
