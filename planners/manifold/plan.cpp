@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Two trees on the manifold (Kuffner, LaValle, RRT-Connect, 2000; Berenson et al., CBiRRT, 2009), then shortcuts along it, then time.
+// Two trees on the manifold (Kuffner, LaValle, RRT-Connect, 2000; Berenson et al., CBiRRT, 2009), then shortcuts along it, then time. Without constraints
+// the path is that of leeway/planners/planner.hpp.
 #include "leeway/manifold/plan.hpp"
 
 #include "drive.hpp"
 #include "ik/random.hpp"
+#include "leeway/planners/smooth.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <numeric>
+#include <utility>
 
 namespace leeway::manifold
 {
@@ -113,9 +116,9 @@ class Planning
 public:
 	Planning( const io::RobotModel& robot, const io::Problem& problem, const io::PathConstraints& path, const Task& task,
 	    const Settings& settings )
-	    : m_task( task ), m_settings( settings ), m_manifold( robot, problem, path ),
-	      m_query( makeQuery( problem.checker.get() ) ), m_walker( m_manifold, problem, settings.edge, m_query.get() ),
-	      m_random( settings.seed )
+	    : m_problem( problem ), m_task( task ), m_settings( settings ), m_is_free( path.empty() ),
+	      m_manifold( robot, problem, path ), m_query( makeQuery( problem.checker.get() ) ),
+	      m_walker( m_manifold, problem, settings.edge, m_query.get() ), m_random( settings.seed )
 	{
 		require( task.start );
 		for ( const std::vector<double>& goal : task.goals )
@@ -133,19 +136,21 @@ public:
 		if ( takeStart() && takeGoals() )
 		{
 			std::vector<Piece> path;
-			m_result.outcome = search( path ) ? Outcome::SOLVED : Outcome::TIMED_OUT;
+			m_result.outcome = ( m_is_free ? goStraight( path ) || searchFreely( path ) : search( path ) )
+			                       ? Outcome::SOLVED
+			                       : Outcome::TIMED_OUT;
 			m_result.search_seconds = m_clock.seconds();
 			if ( m_result.solved() )
 			{
 				m_result.raw_length = lengthOf( path );
-				shorten( path );
+				m_found.count() > 0 ? smooth( path ) : shorten( path );
 				m_result.length = lengthOf( path );
 				m_result.shortcut_seconds = m_clock.seconds() - m_result.search_seconds;
 				finish( path );
 			}
 		}
-		m_result.start_nodes = m_trees[0].size();
-		m_result.goal_nodes = m_trees[1].size();
+		m_result.start_nodes += m_trees[0].size();
+		m_result.goal_nodes += m_trees[1].size();
 		return m_result;
 	}
 
@@ -255,15 +260,21 @@ private:
 		       fail( kept ? Outcome::GOALS_NOT_FREE : Outcome::GOALS_BROKEN, kept ? std::vector<std::string>() : reasons );
 	}
 
+	/// The range of a variable that samples come from.
+	std::pair<double, double> drawnFrom( Eigen::Index variable ) const
+	{
+		const double lower = m_manifold.lower()[variable], upper = m_manifold.upper()[variable], at = m_start[variable];
+		return upper - lower < far_limits ? std::pair( lower, upper )
+		                                  : std::pair( std::max( lower, at - M_PI ), std::min( upper, at + M_PI ) );
+	}
+
 	/// A random state within a distance of another, in each variable.
 	State drawn( const State& about, double distance )
 	{
 		State q = about;
 		for ( Eigen::Index i = 0; i < q.size(); ++i )
 		{
-			const double lower = m_manifold.lower()[i], upper = m_manifold.upper()[i];
-			const double least = upper - lower < far_limits ? lower : std::max( lower, m_start[i] - M_PI );
-			const double most = upper - lower < far_limits ? upper : std::min( upper, m_start[i] + M_PI );
+			const auto [least, most] = drawnFrom( i );
 			const double from = std::max( least, about[i] - distance ), to = std::min( most, about[i] + distance );
 			q[i] = from < to ? m_random.between( from, to ) : std::clamp( about[i], least, most );
 		}
@@ -285,6 +296,21 @@ private:
 		const bool reached = m_walker.walk( tree.state( from ), to, { most, least, false }, way );
 		node = tree.addWay( from, way );
 		return reached;
+	}
+
+	/// A straight motion to a goal.
+	bool goStraight( std::vector<Piece>& path )
+	{
+		for ( std::size_t goal = 0; goal < m_trees[1].size(); ++goal )
+		{
+			const Piece straight = straightPiece( m_start, m_walker.nearestTurns( m_start, m_trees[1].state( goal ) ) );
+			if ( m_walker.isProved( straight ) )
+			{
+				path = { straight };
+				return true;
+			}
+		}
+		return false;
 	}
 
 	bool search( std::vector<Piece>& path )
@@ -324,6 +350,67 @@ private:
 		return false;
 	}
 
+	planners::Stop stopOf()
+	{
+		planners::Stop stop;
+		stop.seconds = m_settings.seconds - m_clock.seconds();
+		stop.poll = []( void* user ) { return static_cast<Planning*>( user )->isOver(); };
+		stop.user = this;
+		return stop;
+	}
+
+	/// Without constraints: the planner of joint space, whose edges are proved as they are.
+	bool searchFreely( std::vector<Piece>& path )
+	{
+		planners::Settings settings;
+		settings.edge = m_settings.edge;
+		settings.seed = m_settings.seed;
+		settings.most_nodes = m_settings.most_nodes;
+		for ( Eigen::Index k = 0; k < m_start.size(); ++k )
+		{
+			const auto [lower, upper] = drawnFrom( k );
+			settings.lower.push_back( lower );
+			settings.upper.push_back( upper );
+		}
+		try
+		{
+			planners::Planner planner( m_problem.checker, settings );
+			planner.addStart( m_start.data() );
+			for ( std::size_t i = 0; i < m_trees[1].size(); ++i )
+			{
+				planner.addGoal( m_trees[1].state( i ).data() );
+			}
+			const planners::Outcome outcome = planner.solve( m_query.get(), stopOf() );
+			m_result.samples += planner.statistics().samples;
+			m_result.start_nodes += planner.statistics().start_nodes;
+			m_result.goal_nodes += planner.statistics().goal_nodes;
+			if ( outcome == planners::Outcome::FAILED )
+			{
+				leeway::require( planner.failure(), "search of joint space" );
+			}
+			m_found = planner.path();
+			takePath( path );
+			return outcome == planners::Outcome::SOLVED;
+		}
+		catch ( const planners::InputError& )
+		{
+			return search( path ); // a floating joint, or an end beyond a limit by less than its tolerance
+		}
+	}
+
+	/// The edges of a path, from the start on without jumps by whole turns.
+	void takePath( std::vector<Piece>& path ) const
+	{
+		State before = m_start;
+		path.clear();
+		for ( std::size_t i = 1; i < m_found.count(); ++i )
+		{
+			const State next = m_walker.nearestTurns( before, Eigen::Map<const State>( m_found[i], before.size() ) );
+			path.push_back( straightPiece( before, next ) );
+			before = next;
+		}
+	}
+
 	/// @param start, goal nodes at one state, up to whole turns
 	std::vector<Piece> joined( std::size_t start, std::size_t goal ) const
 	{
@@ -336,6 +423,18 @@ private:
 			path.push_back( *piece );
 		}
 		return path;
+	}
+
+	/// The same of a path without constraints.
+	void smooth( std::vector<Piece>& path )
+	{
+		planners::SmoothSettings settings;
+		settings.edge = m_settings.edge;
+		settings.seed = m_settings.seed;
+		settings.rounds = m_settings.shortcuts > 0 ? settings.rounds : 0;
+		leeway::require(
+		    planners::smooth( m_problem.checker.get(), m_query.get(), settings, stopOf(), m_found ), "smoothing" );
+		takePath( path );
 	}
 
 	/// Motions between random states of the path take the place of longer ones.
@@ -413,8 +512,10 @@ private:
 		m_result.drive_seconds = m_clock.seconds() - begin;
 	}
 
+	const io::Problem& m_problem;
 	const Task& m_task;
 	const Settings& m_settings;
+	const bool m_is_free; ///< there are no constraints
 	Manifold m_manifold;
 	const Query m_query;
 	Walker m_walker;
@@ -422,7 +523,8 @@ private:
 	Clock m_clock;
 	State m_start;
 	std::vector<Piece> m_mend;
-	Tree m_trees[2]; ///< of the start and of the goals
+	planners::Path m_found; ///< by searchFreely()
+	Tree m_trees[2];        ///< of the start and of the goals
 	Result m_result;
 };
 

@@ -134,6 +134,74 @@ TEST( ConstrainedPlan, AJointThatWrapsGoesTheLongWay )
 	EXPECT_LT( r.length, 1.5 );
 }
 
+/// A wall between start and goal, and no constraints.
+ManifoldWorld walled( const std::string& wrist = "revolute" )
+{
+	return ManifoldWorld( sevenAxisArm( wrist ),
+	    "world:\n  collision_objects:\n    - {id: wall, primitives: [{type: box, dimensions: [0.6, 0.04, 1.2]}], "
+	    "primitive_poses: [{position: [0.6, 0, 0.6], orientation: [0, 0, 0, 1]}]}\n" );
+}
+
+TEST( FreePlan, AWallIsPassedThrough )
+{
+	for ( std::uint64_t seed = 1; seed <= 5; ++seed )
+	{
+		ManifoldWorld world = walled();
+		world.task.start = { -0.9, 1.2, 0, -0.3, 0, 0.3, 0 };
+		world.task.goals = { { 0.9, 1.2, 0, -0.3, 0, 0.3, 0 }, { 0.8, 1.1, 0.1, -0.2, 0, 0.3, 0 } };
+		world.settings.seed = seed;
+		const manifold::Result r = world.plan();
+		world.expectKept( r );
+		EXPECT_GT( r.start_nodes + r.goal_nodes, 3u );
+		EXPECT_LE( r.length, r.raw_length );
+		const Vector& last = r.segments.back().points;
+		const Vector end( last.end() - 7, last.end() );
+		EXPECT_TRUE( end == world.task.goals[0] || end == world.task.goals[1] );
+	}
+}
+
+TEST( FreePlan, AJointThatWrapsJumpsByATurn )
+{
+	ManifoldWorld world = walled( "continuous" );
+	world.task.start = { -0.9, 1.2, 3, -0.3, 3.1, 0.3, 3 };
+	world.task.goals = { { 0.9, 1.2, -3, -0.3, -3.1, 0.3, -3 } };
+	const manifold::Result r = world.plan();
+	world.expectKept( r );
+	const Vector& last = r.segments.back().points;
+	EXPECT_GT( r.length, 1.9 ); // the wall is in the way
+	EXPECT_LT( r.length, 6 );   // a whole turn alone is more
+	for ( const std::size_t v : { 2u, 4u, 6u } )
+	{
+		const double turns = ( last[21 + v] - world.task.goals[0][v] ) / ( 2 * M_PI );
+		EXPECT_NEAR( turns, std::round( turns ), 1e-9 );
+	}
+}
+
+TEST( FreePlan, AStartBeyondALimitByItsToleranceIsLost )
+{
+	ManifoldWorld world = walled();
+	world.task.start = { -0.9, 1.2, 2.9 + 5e-5, -0.3, 0, 0.3, 0 };
+	world.task.goals = { { 0.9, 1.2, 2.5, -0.3, 0, 0.3, 0 } };
+	const manifold::Result r = world.plan();
+	ASSERT_TRUE( r.solved() ) << manifold::describe( r );
+	EXPECT_EQ( world.task.start, Vector( r.segments[0].points.begin(), r.segments[0].points.begin() + 7 ) );
+}
+
+TEST( FreePlan, ItsTimeIsOverAndItSearchesOn )
+{
+	ManifoldWorld world = walled();
+	world.task.start = { -0.9, 1.2, 0, -0.3, 0, 0.3, 0 };
+	world.task.goals = { { 0.9, 1.2, 0, -0.3, 0, 0.3, 0 } };
+	int asked = 0;
+	world.settings.stop = [&asked] { return ++asked > 2; };
+	const manifold::Result r = world.plan();
+	EXPECT_EQ( r.outcome, manifold::Outcome::TIMED_OUT );
+	EXPECT_LT( asked, 20 );
+	world.settings.stop = nullptr;
+	world.settings.most_nodes = 2;
+	EXPECT_EQ( world.plan().outcome, manifold::Outcome::TIMED_OUT );
+}
+
 TEST( ConstrainedPlan, EqualSeedsGiveOtherPlans )
 {
 	ManifoldWorld world( sevenAxisArm() );
