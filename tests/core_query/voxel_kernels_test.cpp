@@ -23,6 +23,21 @@ std::uint32_t interleaved( const std::array<std::uint32_t, 3>& at, std::uint32_t
 	return out;
 }
 
+/// Points about a sensor; some are at it, some have a coordinate that is not finite.
+void givePoints( SeededRng& rng, const lwi_point_sensor& sensor, double given[3][LWI_WIDTH] )
+{
+	for ( std::size_t i = 0; i < LWI_WIDTH; ++i )
+	{
+		const double kind = rng.uniform( 0, 20 );
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			const double at_sensor = sensor.in_world ? sensor.pose.t[k] : 0;
+			given[k][i] = kind < 1 ? at_sensor : at_sensor + rng.uniform( -2, 2 );
+		}
+		given[static_cast<std::size_t>( rng.uniform( 0, 3 ) )][i] += kind > 19 ? HUGE_VAL : kind > 18 ? std::nan( "" ) : 0;
+	}
+}
+
 } // namespace
 
 TEST( Kernels, APointIsInAnotherVoxel )
@@ -189,18 +204,7 @@ TEST( Kernels, APointOfASensorIsElsewhereOrHasAnotherRay )
 		sensor.near_sq = round % 3 == 0 ? 0 : 0.25;
 		sensor.far_sq = round % 5 == 0 ? HUGE_VAL : 4;
 		double given[3][LWI_WIDTH];
-		for ( std::size_t i = 0; i < LWI_WIDTH; ++i )
-		{
-			const double kind = rng.uniform( 0, 20 );
-			for ( std::size_t k = 0; k < 3; ++k )
-			{
-				const double at_sensor = sensor.in_world ? sensor.pose.t[k] : 0;
-				given[k][i] = kind < 1 ? at_sensor : at_sensor + rng.uniform( -2, 2 );
-			}
-			given[static_cast<std::size_t>( rng.uniform( 0, 3 ) )][i] += kind > 19   ? HUGE_VAL
-			                                                             : kind > 18 ? std::nan( "" )
-			                                                                         : 0;
-		}
+		givePoints( rng, sensor, given );
 		for ( const lwi_kernels* table : kernelLevels() )
 		{
 			lwi_eight_pixels got;
