@@ -38,6 +38,19 @@ void givePoints( SeededRng& rng, const lwi_point_sensor& sensor, double given[3]
 	}
 }
 
+/// Voxels of points in range are those that the points have alone.
+void expectVoxels(
+    const lwi_kernels& table, const lwi_voxel_grid& grid, const double ( *points )[LWI_WIDTH], const lwi_eight_pixels& got )
+{
+	std::uint32_t place[LWI_WIDTH], voxel[LWI_WIDTH];
+	const std::uint32_t lanes = table.point_voxels( &grid, points, place, voxel ) & got.in_range;
+	ASSERT_EQ( lanes, got.in_grid & got.in_range ) << "level " << table.level;
+	for ( std::size_t i = 0; i < LWI_WIDTH; ++i )
+	{
+		ASSERT_TRUE( ( lanes >> i & 1u ) == 0 || ( place[i] == got.place[i] && voxel[i] == got.voxel[i] ) );
+	}
+}
+
 } // namespace
 
 TEST( Kernels, APointIsInAnotherVoxel )
@@ -163,13 +176,7 @@ TEST( Kernels, APixelSeesAnotherPointOrItsRayEndsElsewhere )
 				}
 				++( in ? in_range : measured ? beyond : unmeasured );
 			}
-			std::uint32_t place[LWI_WIDTH], voxel[LWI_WIDTH];
-			const std::uint32_t lanes = table->point_voxels( &grid, points, place, voxel ) & got.in_range;
-			ASSERT_EQ( lanes, got.in_grid & got.in_range ) << "level " << table->level;
-			for ( std::size_t i = 0; i < LWI_WIDTH; ++i )
-			{
-				ASSERT_TRUE( ( lanes >> i & 1u ) == 0 || ( place[i] == got.place[i] && voxel[i] == got.voxel[i] ) );
-			}
+			expectVoxels( *table, grid, points, got );
 		}
 	}
 	EXPECT_GT( in_range, 5000u );
@@ -235,13 +242,7 @@ TEST( Kernels, APointOfASensorIsElsewhereOrHasAnotherRay )
 				}
 				++( in ? in_range : measured ? beyond : unmeasured );
 			}
-			std::uint32_t place[LWI_WIDTH], voxel[LWI_WIDTH];
-			const std::uint32_t lanes = table->point_voxels( &grid, points, place, voxel ) & got.in_range;
-			ASSERT_EQ( lanes, got.in_grid & got.in_range ) << "level " << table->level;
-			for ( std::size_t i = 0; i < LWI_WIDTH; ++i )
-			{
-				ASSERT_TRUE( ( lanes >> i & 1u ) == 0 || ( place[i] == got.place[i] && voxel[i] == got.voxel[i] ) );
-			}
+			expectVoxels( *table, grid, points, got );
 		}
 	}
 	EXPECT_GT( in_range, 5000u );
