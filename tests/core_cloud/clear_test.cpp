@@ -359,6 +359,26 @@ TEST( CloudRays, AFarPointClearsWithoutTrust )
 	}
 }
 
+TEST( CloudRays, AFartherPointOfAPixelClearsPastANearerOne )
+{
+	for ( const bool near_comes_first : { false, true } )
+	{
+		std::vector<std::array<double, 3>> points;
+		for ( int i = 0; i < 2 * 1024; ++i )
+		{
+			const bool near = ( i < 1024 ) == near_comes_first;
+			const double depth = near ? 1 : 2; // each ray twice, so two of a pixel
+			points.push_back( { depth, depth * 0.01 * ( i % 32 - 16 ), depth * 0.01 * ( i / 32 % 32 - 16 ) } );
+		}
+		const CloudPtr cloud = makeCloud( cloudOf( 0.05, 2.5 ) );
+		hit( cloud.get(), 1, { { 1.525, 0.025, 0.025 }, { 0.525, 0.025, 0.025 } } );
+		const PointFrame frame( 2, points );
+		insert( cloud.get(), frame.frame );
+		EXPECT_EQ( stateAt( cloud.get(), { 1.525, 0.025, 0.025 } ), LW_VOXEL_OCCUPIED );
+		EXPECT_NE( stateAt( cloud.get(), { 0.525, 0.025, 0.025 } ), LW_VOXEL_OCCUPIED ) << "it is in front of all";
+	}
+}
+
 TEST( CloudRays, PointsInRowsAreReadInAnotherWay )
 {
 	SeededRng rng( 20261203 );

@@ -290,6 +290,49 @@ TEST( Kernels, ARayHasOtherTangents )
 	}
 }
 
+TEST( Kernels, ARayIsInAnotherPixel )
+{
+	SeededRng rng( 20261206 );
+	std::size_t inside = 0, outside = 0;
+	for ( int round = 0; round < 2000; ++round )
+	{
+		const auto width = static_cast<std::uint32_t>( rng.uniform( 1, 50 ) ),
+		           height = static_cast<std::uint32_t>( rng.uniform( 1, 50 ) );
+		const lwi_ray_picture picture = {
+		    rng.uniform( 5, 40 ), rng.uniform( 5, 40 ), 0.5 * width, 0.5 * height, width, height };
+		double tangents[3][LWI_WIDTH];
+		for ( std::size_t i = 0; i < LWI_WIDTH; ++i )
+		{
+			const double kind = rng.uniform( 0, 20 );
+			tangents[0][i] = kind < 1 ? std::nan( "" ) : kind < 3 ? 0.5 * width / picture.fx : rng.uniform( -1, 1 );
+			tangents[1][i] = kind > 19 ? HUGE_VAL : kind > 17 ? 0.5 * height / picture.fy : rng.uniform( -1, 1 );
+			tangents[2][i] = rng.uniform( -0.5, 3 );
+		}
+		for ( const lwi_kernels* table : kernelLevels() )
+		{
+			std::uint32_t pixel[LWI_WIDTH];
+			float depth[LWI_WIDTH];
+			table->ray_pixels( &picture, tangents, pixel, depth );
+			for ( std::size_t i = 0; i < LWI_WIDTH; ++i )
+			{
+				const double u = tangents[0][i] * picture.fx + picture.cx, v = tangents[1][i] * picture.fy + picture.cy;
+				const bool in = tangents[2][i] > 0 && u >= 0 && u < width + 1.0 && v >= 0 && v < height + 1.0;
+				ASSERT_EQ( in ? float( tangents[2][i] ) : HUGE_VALF, depth[i] ) << "level " << table->level;
+				ASSERT_LT( pixel[i], width * height ) << "level " << table->level;
+				if ( in )
+				{
+					const std::uint32_t column = std::min( static_cast<std::uint32_t>( u ), width - 1 ),
+					                    row = std::min( static_cast<std::uint32_t>( v ), height - 1 );
+					ASSERT_EQ( row * width + column, pixel[i] ) << "level " << table->level;
+				}
+				++( in ? inside : outside );
+			}
+		}
+	}
+	EXPECT_GT( inside, 5000u );
+	EXPECT_GT( outside, 5000u );
+}
+
 TEST( Kernels, AVoxelIsBeforeAnotherPixel )
 {
 	SeededRng rng( 20261129 );

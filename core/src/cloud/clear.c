@@ -183,7 +183,7 @@ static bool is_passed( const clearer* c, triple at, float behind )
 	const lwi_view* view = c->view;
 	const float u = c->fx * at.x / at.z + c->cx, v = c->fy * at.y / at.z + c->cy;
 	const float most = 0.25f * c->edge * c->edge * 0.998f;
-	if ( view->rays == NULL )
+	if ( view->nearest == NULL )
 	{
 		// of an image: the pixel that is nearest. Across z it is no nearer than across the ray
 		const float dx = at.z * ( (float)(int)( u + 0.5f ) - u ) / c->fx,
@@ -198,11 +198,12 @@ static bool is_passed( const clearer* c, triple at, float behind )
 		for ( uint32_t column = u0; column <= u1; ++column )
 		{
 			const size_t pixel = (size_t)row * view->width[0] + column;
-			const float* q = view->rays[pixel];
 			if ( !( view->greatest[0][pixel] > behind ) )
 			{
 				continue;
 			}
+			float q[3];
+			lwi_view_ray( view, pixel, q );
 			const float x = at.y * q[2] - at.z * q[1], y = at.z * q[0] - at.x * q[2], z = at.x * q[1] - at.y * q[0];
 			if ( x * x + y * y + z * z <= most * ( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] ) )
 			{

@@ -273,6 +273,13 @@ enum
 	LWI_VIEW_LEVELS = 14
 };
 
+/// From the sensor to the points, along the axes of the world: [count] along each axis, and room for a multiple of eight.
+typedef struct lwi_rays
+{
+	float* axis[3];
+	uint32_t count;
+} lwi_rays;
+
 /// The picture that a sensor saw: pixel (u, v) looks along ((u - cx) / fx, (v - cy) / fy, 1) of the view's frame.
 typedef struct lwi_view
 {
@@ -282,8 +289,9 @@ typedef struct lwi_view
 	/// Depths z of pixels, and of squares of 2, 4, ... pixels: least and greatest. Of an image: 0 if a pixel is not measured. Of points: the point of
 	/// least z of a pixel; infinite and 0 if it has none.
 	float *least[LWI_VIEW_LEVELS], *greatest[LWI_VIEW_LEVELS];
-	float ( *rays )[3]; ///< of points: [height][width] that point, view frame; NULL of an image
-	double sure_depth;  ///< each ball of half a voxel in the picture, up to this depth, has the ray of a pixel in it
+	uint32_t* nearest;    ///< of points: [height][width] number of that point's ray; NULL of an image
+	const lwi_rays* rays; ///< of points
+	double sure_depth;    ///< each ball of half a voxel in the picture, up to this depth, has the ray of a pixel in it
 } lwi_view;
 
 /// Sets sizes and places the arrays of all levels. @return false without memory
@@ -291,15 +299,11 @@ bool lwi_view_begin( lw_cloud* cloud, uint32_t width, uint32_t height, bool with
 /// Fills the levels above the first.
 void lwi_view_finish( lwi_view* view );
 
+/// The nearest ray of a pixel of points, in the view's frame. @param pixel one that has a ray
+void lwi_view_ray( const lwi_view* view, size_t pixel, float out[3] );
+
 /// Clears by the rays of a view. @param stamp of the frame: later hits are not cleared
 void lwi_cloud_clear_view( lw_cloud* cloud, const lwi_view* view, uint32_t stamp, lw_cloud_report* report );
-
-/// From the sensor to the points, along the axes of the world: [count] along each axis, and room for a multiple of eight.
-typedef struct lwi_rays
-{
-	float* axis[3];
-	uint32_t count;
-} lwi_rays;
 
 /// Clears by points: views of them, one after the other. Room for these is made by lwi_cloud_points_room().
 void lwi_cloud_clear_points( lw_cloud* cloud, const lw_transform* world_from_sensor, const lwi_rays* rays, uint32_t stamp,

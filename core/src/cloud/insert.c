@@ -382,13 +382,19 @@ static double load_double( const unsigned char* from, bool swapped )
 static void load_points( const lw_cloud_points* points, uint32_t row, uint32_t u, uint32_t count, double out[3][LWI_WIDTH] )
 {
 	const unsigned char* at = (const unsigned char*)points->data + row * points->row_step + u * points->point_step;
-	for ( uint32_t i = 0; i < count; ++i, at += points->point_step )
+	const size_t step = points->point_step, x = points->offset[0], y = points->offset[1], z = points->offset[2];
+	for ( uint32_t i = 0; !points->is_double && !points->is_swapped && i < count; ++i, at += step )
+	{
+		out[0][i] = (double)load_float( at + x, false );
+		out[1][i] = (double)load_float( at + y, false );
+		out[2][i] = (double)load_float( at + z, false );
+	}
+	for ( uint32_t i = 0; ( points->is_double || points->is_swapped ) && i < count; ++i, at += step )
 	{
 		for ( int k = 0; k < 3; ++k )
 		{
 			const unsigned char* from = at + points->offset[k];
-			out[k][i] =
-				points->is_double ? load_double( from, points->is_swapped ) : (double)load_float( from, points->is_swapped );
+			out[k][i] = points->is_double ? load_double( from, points->is_swapped ) : (double)load_float( from, true );
 		}
 	}
 }

@@ -25,7 +25,7 @@ static size_t all_levels( size_t pixels )
 
 static size_t bytes_of( size_t pixels, bool with_rays )
 {
-	return all_levels( pixels ) * 2 * sizeof( float ) + ( with_rays ? pixels * sizeof( float[3] ) : 0 );
+	return all_levels( pixels ) * 2 * sizeof( float ) + ( with_rays ? pixels * sizeof( uint32_t ) : 0 );
 }
 
 /// Sets sizes and places arrays, in room that is there.
@@ -46,7 +46,7 @@ static void place( lw_cloud* cloud, uint32_t width, uint32_t height, bool with_r
 			break;
 		}
 	}
-	view->rays = with_rays ? (float( * )[3])next : NULL;
+	view->nearest = with_rays ? (uint32_t*)(void*)next : NULL;
 }
 
 bool lwi_view_begin( lw_cloud* cloud, uint32_t width, uint32_t height, bool with_rays, lwi_view* view )
@@ -137,45 +137,47 @@ static void tangents_of( const lw_cloud* cloud, const lwi_view* view, const lwi_
 		rays->axis[2] + first, out );
 }
 
-/// Keeps a ray in its pixel, if it is nearer there than all before.
-static inline void keep_ray( lwi_view* view, double x, double y, double z )
-{
-	const uint32_t width = view->width[0], height = view->height[0];
-	const double u = x * view->fx + view->cx + 0.5, v = y * view->fy + view->cy + 0.5;
-	if ( !( z > 0 && u >= 0 && u < width + 1 && v >= 0 && v < height + 1 ) )
-	{
-		return;
-	}
-	// points on the greatest tangents are in the last pixels
-	const uint32_t column = (uint32_t)u < width ? (uint32_t)u : width - 1,
-				   row = (uint32_t)v < height ? (uint32_t)v : height - 1;
-	const size_t at = (size_t)row * width + column;
-	if ( (float)z < view->least[0][at] )
-	{
-		view->least[0][at] = view->greatest[0][at] = (float)z;
-		view->rays[at][0] = (float)( x * z );
-		view->rays[at][1] = (float)( y * z );
-		view->rays[at][2] = (float)z;
-	}
-}
-
+/// Sorts the rays into pixels: of each that which is nearest.
 static void fill( const lw_cloud* cloud, lwi_view* view, const lwi_rays* rays )
 {
-	const size_t pixels = (size_t)view->width[0] * view->height[0];
+	const uint32_t width = view->width[0], height = view->height[0];
+	const size_t pixels = (size_t)width * height;
+	const lwi_ray_picture picture = { view->fx, view->fy, view->cx + 0.5, view->cy + 0.5, width, height };
+	float *least = view->least[0], *greatest = view->greatest[0];
 	for ( size_t i = 0; i < pixels; ++i )
 	{
-		view->least[0][i] = INFINITY;
-		view->greatest[0][i] = 0;
+		least[i] = INFINITY;
 	}
+	view->rays = rays;
 	for ( uint32_t first = 0; first < rays->count; first += LWI_WIDTH )
 	{
 		double eight[3][LWI_WIDTH];
+		uint32_t pixel[LWI_WIDTH];
+		float depth[LWI_WIDTH];
 		tangents_of( cloud, view, rays, first, eight );
+		cloud->kernels->ray_pixels( &picture, (const double( * )[LWI_WIDTH])eight, pixel, depth );
 		for ( uint32_t i = 0; i < LWI_WIDTH; ++i )
 		{
-			keep_ray( view, eight[0][i], eight[1][i], eight[2][i] );
+			const uint32_t at = pixel[i];
+			const bool nearer = depth[i] < least[at];
+			least[at] = nearer ? depth[i] : least[at];
+			view->nearest[at] = nearer ? first + i : view->nearest[at];
 		}
 	}
+	for ( size_t i = 0; i < pixels; ++i )
+	{
+		greatest[i] = least[i] < INFINITY ? least[i] : 0;
+	}
+}
+
+void lwi_view_ray( const lwi_view* view, size_t pixel, float out[3] )
+{
+	const uint32_t ray = view->nearest[pixel];
+	const lw_vec3 q = lwi_rotate( &view->view_from_world,
+		lwi_v3( (double)view->rays->axis[0][ray], (double)view->rays->axis[1][ray], (double)view->rays->axis[2][ray] ) );
+	out[0] = (float)q.x;
+	out[1] = (float)q.y;
+	out[2] = (float)q.z;
 }
 
 /// Tangents of all rays about the middle of them. @return false: some are too far from it for one picture

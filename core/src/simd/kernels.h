@@ -178,6 +178,10 @@ typedef struct lwi_kernels
 	/// Eight rays in a view. @param r rotation from the world to the view @param x, y, z [8] of the rays @param out [3][8] tangents x / z and y / z, and z
 	void (
 		*ray_tangents )( const double r[3][3], const float* x, const float* y, const float* z, double ( *out )[LWI_WIDTH] );
+	/// Pixels of eight rays, those on the greatest tangents in the last pixels, and their depths: infinite, in pixel 0, if they are not in the picture
+	/// @param tangents of ray_tangents
+	void ( *ray_pixels )( const lwi_ray_picture* picture, const double ( *tangents )[LWI_WIDTH], uint32_t* pixel,
+		float* depth );
 	/// Lanes of a cube of eight voxels whose middle's pixel saw something behind them. @param middle of the cube, frame of the view
 	uint32_t ( *voxels_before )( const lwi_voxel_view* view, const float middle[3] );
 } lwi_kernels;

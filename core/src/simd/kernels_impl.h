@@ -577,4 +577,4 @@ const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, obb_gap, sphere
 	slab_gap, node_project, leaf_project, leaf_transform, points_move, points_farthest, planes_clear, triangle_gap,
 	node_primitive_gap, leaf_primitive_gap, sincos_all, batch_frame, batch_point, batch_box, batch_pair, lane_frame,
 	lane_boxes, lane_body, lane_relative, lane_slabs, lane_points, lane_node, point_voxels, pixel_voxels, sensor_points,
-	ray_tangents, voxels_before };
+	ray_tangents, ray_pixels, voxels_before };

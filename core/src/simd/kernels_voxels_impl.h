@@ -169,6 +169,36 @@ static void ray_tangents( const double r[3][3], const float* restrict x, const f
 	}
 }
 
+static void ray_pixels( const lwi_ray_picture* picture, const double ( *restrict tangents )[LWI_WIDTH],
+	uint32_t* restrict pixel, float* restrict depth )
+{
+	const double fx = picture->fx, fy = picture->fy, cx = picture->cx, cy = picture->cy;
+	const double wide = picture->width, tall = picture->height;
+	const int width = (int)picture->width, right = width - 1, bottom = (int)picture->height - 1;
+	double at[2][LWI_WIDTH], z[LWI_WIDTH];
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		const double u = tangents[0][i] * fx + cx, v = tangents[1][i] * fy + cy, d = tangents[2][i];
+		const double in_u = u >= 0 ? u : -1, in_v = v >= 0 ? v : -1;
+		at[0][i] = in_u < wide + 1 ? in_u : -1;
+		at[1][i] = in_v < tall + 1 ? in_v : -1;
+		z[i] = d > 0 ? d : (double)INFINITY;
+	}
+	int column[LWI_WIDTH], row[LWI_WIDTH];
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		column[i] = (int)at[0][i];
+		row[i] = (int)at[1][i];
+	}
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		const int in = ( column[i] >= 0 ) & ( row[i] >= 0 );
+		const int x = column[i] < right ? column[i] : right, y = row[i] < bottom ? row[i] : bottom;
+		pixel[i] = (uint32_t)( in ? y * width + x : 0 );
+		depth[i] = in ? (float)z[i] : (float)INFINITY;
+	}
+}
+
 static uint32_t voxels_before( const lwi_voxel_view* view, const float middle[3] )
 {
 	const float width = (float)view->width, height = (float)view->height;

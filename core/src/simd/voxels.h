@@ -55,6 +55,13 @@ typedef struct lwi_eight_rays
 	double length_sq[LWI_WIDTH];
 } lwi_eight_rays;
 
+/// A picture of rays: that of tangents x / z and y / z is in pixel ( x / z fx + cx, y / z fy + cy ), rounded down.
+typedef struct lwi_ray_picture
+{
+	double fx, fy, cx, cy;
+	uint32_t width, height;
+} lwi_ray_picture;
+
 /// The depths that a sensor saw, and a cube of eight voxels in its view: pixel (u, v) looks along ((u - cx) / fx, (v - cy) / fy, 1).
 typedef struct lwi_voxel_view
 {
