@@ -305,9 +305,10 @@ void lwi_view_ray( const lwi_view* view, size_t pixel, float out[3] );
 /// Clears by the rays of a view. @param stamp of the frame: later hits are not cleared
 void lwi_cloud_clear_view( lw_cloud* cloud, const lwi_view* view, uint32_t stamp, lw_cloud_report* report );
 
-/// Clears by points: views of them, one after the other. Room for these is made by lwi_cloud_points_room().
-void lwi_cloud_clear_points( lw_cloud* cloud, const lw_transform* world_from_sensor, const lwi_rays* rays, uint32_t stamp,
-	lw_cloud_report* report );
+/// A picture of points: there is one of all, or one for each side of a cube. Room for it is made by lwi_cloud_points_room().
+/// @param rays at least one @param number of the picture, from 0 @return how many there are
+uint32_t lwi_view_of_points( lw_cloud* cloud, const lw_transform* world_from_sensor, const lwi_rays* rays, uint32_t number,
+	lwi_view* view );
 bool lwi_cloud_points_room( lw_cloud* cloud, uint32_t count ); ///< @return false without memory
 
 // ---- shapes: cloud/shapes.c, cloud/boxes.c ----

@@ -746,7 +746,12 @@ lw_status lw_cloud_insert( lw_cloud* cloud, const lw_cloud_frame* frame_in, lw_d
 	{
 		insert_points( &in, &frame, &ready.rays );
 		end_insert( &in );
-		lwi_cloud_clear_points( cloud, &frame.world_from_sensor, &ready.rays, stamp, report );
+		uint32_t pictures = ready.rays.count > 0 ? 1 : 0;
+		for ( uint32_t i = 0; i < pictures; ++i )
+		{
+			pictures = lwi_view_of_points( cloud, &frame.world_from_sensor, &ready.rays, i, &ready.view );
+			lwi_cloud_clear_view( cloud, &ready.view, stamp, report );
+		}
 	}
 	cloud->occupied += report->added;
 	cloud->occupied -= report->cleared;

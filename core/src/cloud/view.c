@@ -11,7 +11,8 @@ enum
 	POINTS_PER_PIXEL = 2, ///< so that few pixels of a picture of points are empty
 	LEAST_PIXELS = 256,
 	MOST_PIXELS = 1 << 20,
-	RAYS_FOR_MIDDLE = 1000
+	RAYS_FOR_MIDDLE = 1000,
+	SIDES = 6 ///< of a cube
 };
 
 static const double WIDEST = 2.0;     ///< tangent: points farther from the middle are not in one picture
@@ -231,41 +232,46 @@ static lw_vec3 middle_of( const lwi_rays* rays, uint32_t* used )
 	return sum;
 }
 
-void lwi_cloud_clear_points( lw_cloud* cloud, const lw_transform* world_from_sensor, const lwi_rays* rays, uint32_t stamp,
-	lw_cloud_report* report )
+/// One picture of all points, if none is too far from their middle.
+static bool fill_one( lw_cloud* cloud, const lw_transform* world_from_sensor, const lwi_rays* rays, lwi_view* view )
 {
-	if ( rays->count == 0 )
-	{
-		return;
-	}
-	const size_t pixels = pixels_for( rays->count );
 	uint32_t used;
 	const lw_vec3 middle = middle_of( rays, &used );
 	const double length = lwi_length( middle );
+	if ( !( length > 1e-3 * used ) )
+	{
+		return false;
+	}
 	double low[2], high[2];
-	lwi_view view = { 0 };
-	if ( length > 1e-3 * used )
+	view->view_from_world = looking( world_from_sensor, lwi_scale( 1 / length, middle ) );
+	if ( !bounds_of( cloud, view, rays, low, high ) )
 	{
-		view.view_from_world = looking( world_from_sensor, lwi_scale( 1 / length, middle ) );
-		if ( bounds_of( cloud, &view, rays, low, high ) )
-		{
-			fit( cloud, &view, low, high, pixels );
-			fill( cloud, &view, rays );
-			lwi_view_finish( &view );
-			lwi_cloud_clear_view( cloud, &view, stamp, report );
-			return;
-		}
+		return false;
 	}
-	for ( int side = 0; side < 6; ++side )
+	fit( cloud, view, low, high, pixels_for( rays->count ) );
+	fill( cloud, view, rays );
+	return true;
+}
+
+static void fill_side( lw_cloud* cloud, const lw_transform* world_from_sensor, const lwi_rays* rays, uint32_t side,
+	lwi_view* view )
+{
+	const double sign = side % 2 == 0 ? 1 : -1, low[2] = { -CUBE_SIDE, -CUBE_SIDE }, high[2] = { CUBE_SIDE, CUBE_SIDE };
+	view->view_from_world =
+		looking( world_from_sensor, lwi_v3( side / 2 == 0 ? sign : 0, side / 2 == 1 ? sign : 0, side / 2 == 2 ? sign : 0 ) );
+	fit( cloud, view, low, high, pixels_for( rays->count ) / 4 + 1 );
+	fill( cloud, view, rays );
+}
+
+uint32_t lwi_view_of_points( lw_cloud* cloud, const lw_transform* world_from_sensor, const lwi_rays* rays, uint32_t number,
+	lwi_view* view )
+{
+	*view = ( lwi_view ){ 0 };
+	const bool is_one = number == 0 && fill_one( cloud, world_from_sensor, rays, view );
+	if ( !is_one )
 	{
-		const double sign = side % 2 == 0 ? 1 : -1;
-		view.view_from_world = looking( world_from_sensor,
-			lwi_v3( side / 2 == 0 ? sign : 0, side / 2 == 1 ? sign : 0, side / 2 == 2 ? sign : 0 ) );
-		low[0] = low[1] = -CUBE_SIDE;
-		high[0] = high[1] = CUBE_SIDE;
-		fit( cloud, &view, low, high, pixels / 4 + 1 );
-		fill( cloud, &view, rays );
-		lwi_view_finish( &view );
-		lwi_cloud_clear_view( cloud, &view, stamp, report );
+		fill_side( cloud, world_from_sensor, rays, number, view );
 	}
+	lwi_view_finish( view );
+	return is_one ? 1 : SIDES;
 }
