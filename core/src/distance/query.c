@@ -273,19 +273,24 @@ void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* 
 	}
 }
 
+/// Is |r r^T - 1| that of rounding? False with NaN.
+static bool is_orthonormal( const lw_transform* m )
+{
+	const lw_vec3 x = lwi_load( m->r[0] ), y = lwi_load( m->r[1] ), z = lwi_load( m->r[2] );
+	const double off[6] = { lwi_dot( x, x ) - 1, lwi_dot( y, y ) - 1, lwi_dot( z, z ) - 1, lwi_dot( x, y ), lwi_dot( x, z ),
+		lwi_dot( y, z ) };
+	bool is = true;
+	for ( int i = 0; i < 6; ++i )
+	{
+		is &= fabs( off[i] ) <= ALREADY_ORTHONORMAL;
+	}
+	return is;
+}
+
 lw_transform lwi_orthonormal( const lw_transform* transform )
 {
 	lw_transform m = *transform;
-	double worst = 0;
-	for ( int i = 0; i < 3; ++i )
-	{
-		for ( int j = i; j < 3; ++j )
-		{
-			double want = i == j ? 1 : 0;
-			worst = lwi_larger( worst, fabs( lwi_dot( lwi_load( m.r[i] ), lwi_load( m.r[j] ) ) - want ) );
-		}
-	}
-	if ( worst <= ALREADY_ORTHONORMAL )
+	if ( is_orthonormal( &m ) )
 	{
 		return m;
 	}
@@ -306,13 +311,7 @@ lw_transform lwi_orthonormal( const lw_transform* transform )
 bool lwi_pose_given( const lw_transform* given, lw_transform* out )
 {
 	const lw_vec3 x = lwi_load( given->r[0] ), y = lwi_load( given->r[1] ), z = lwi_load( given->r[2] );
-	const double off[6] = { lwi_dot( x, x ) - 1, lwi_dot( y, y ) - 1, lwi_dot( z, z ) - 1, lwi_dot( x, y ), lwi_dot( x, z ),
-		lwi_dot( y, z ) };
-	bool is_rotation = lwi_dot( lwi_cross( x, y ), z ) > 0;
-	for ( int i = 0; i < 6; ++i )
-	{
-		is_rotation &= fabs( off[i] ) <= ALREADY_ORTHONORMAL; // NaN is not
-	}
+	bool is_rotation = is_orthonormal( given ) && lwi_dot( lwi_cross( x, y ), z ) > 0;
 	for ( int i = 0; i < 3; ++i )
 	{
 		is_rotation &= fabs( given->t[i] ) <= LW_MAX_TRANSLATION;

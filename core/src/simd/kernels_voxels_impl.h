@@ -57,6 +57,17 @@ static inline void pixel_points( const lwi_pixel_row* row, int axis, uint32_t u,
 	}
 }
 
+static inline void set_lanes( const int32_t measured[LWI_WIDTH], const int32_t in_range[LWI_WIDTH],
+	lwi_eight_pixels* restrict out )
+{
+	out->measured = out->in_range = 0;
+	for ( int i = 0; i < LWI_WIDTH; ++i )
+	{
+		out->measured |= (uint32_t)measured[i] << i;
+		out->in_range |= (uint32_t)in_range[i] << i;
+	}
+}
+
 static void pixel_voxels( const lwi_voxel_grid* grid, const lwi_pixel_row* row, uint32_t u, const double* restrict depths,
 	lwi_eight_pixels* restrict out )
 {
@@ -79,12 +90,7 @@ static void pixel_voxels( const lwi_voxel_grid* grid, const lwi_pixel_row* row, 
 	pixel_points( row, 1, u, depths, out->points[1] );
 	pixel_points( row, 2, u, depths, out->points[2] );
 	out->in_grid = point_voxels( grid, (const double( * )[LWI_WIDTH])out->points, out->place, out->voxel );
-	out->measured = out->in_range = 0;
-	for ( int i = 0; i < LWI_WIDTH; ++i )
-	{
-		out->measured |= (uint32_t)measured[i] << i;
-		out->in_range |= (uint32_t)in_range[i] << i;
-	}
+	set_lanes( measured, in_range, out );
 }
 
 // The next two are functions of their own as pixel_points() is.
@@ -139,12 +145,7 @@ static void sensor_points( const lwi_voxel_grid* grid, const lwi_point_sensor* s
 		in_range[i] = (int32_t)( is[i] * in[i] );
 	}
 	out->in_grid = point_voxels( grid, (const double( * )[LWI_WIDTH])out->points, out->place, out->voxel );
-	out->measured = out->in_range = 0;
-	for ( int i = 0; i < LWI_WIDTH; ++i )
-	{
-		out->measured |= (uint32_t)measured[i] << i;
-		out->in_range |= (uint32_t)in_range[i] << i;
-	}
+	set_lanes( measured, in_range, out );
 }
 
 static void ray_tangents( const double r[3][3], const float* restrict x, const float* restrict y, const float* restrict z,
