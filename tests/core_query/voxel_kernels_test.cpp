@@ -329,8 +329,8 @@ TEST( Kernels, ARayIsInAnotherPixel )
 			}
 		}
 	}
-	EXPECT_GT( inside, 5000u );
-	EXPECT_GT( outside, 5000u );
+	EXPECT_GT( inside, 2000u );
+	EXPECT_GT( outside, 2000u );
 }
 
 TEST( Kernels, AVoxelIsBeforeAnotherPixel )
