@@ -2,11 +2,12 @@
 // A live cloud: frames of a simulated depth camera into voxels, scenes and checkers of them; octomap and a k-d tree on the same frames.
 //
 // Panda in a room of 4 x 4 x 2.4 m with a scene of MotionBenchMaker; a ball flies about. The camera looks round, so that the whole room is resident, and then
-// follows the robot. Processor time of the thread. When that is over, nanoflann builds its k-d tree of the points of each frame, and octomap inserts the same
+// follows the robot. Processor time of the thread; rows of several threads, wall clock: clouds of their own take the same frames. When that is over, nanoflann builds its k-d tree of the points of each frame, and octomap inserts the same
 // points at the same resolution by insertPointCloud(): as it is, and discretized with inner nodes updated once. The first frame grows octomap's tree and is not
 // counted. octomap leaves millions of small free pieces of memory that whoever allocates next has to join: 0.9 s for a k-d tree of 11 ms. So the peers come last, each
 // after malloc_trim(). A guard proves a motion of three seconds anew after each frame. States and edges are checked in the cloud's scene and beside one point set of all its voxels.
 // Exit status 1 if a point of a frame is in no occupied voxel, or an answer of the two scenes differs.
+#include "leeway/parallel.hpp"
 #include "programs/commands.hpp"
 #include "support/depth_camera.hpp"
 #include "support/edge_worlds.hpp"
@@ -14,6 +15,7 @@
 #include "support/race.hpp"
 #include "support/running_motion.hpp"
 
+#include <chrono>
 #include <cstdio>
 #include <functional>
 #include <map>
@@ -31,6 +33,7 @@ struct Settings
 {
 	std::string data = LEEWAY_DATA_DIR;
 	int frames = 150, peer_frames = 4, states = 400;
+	unsigned threads = std::max( 1u, std::thread::hardware_concurrency() );
 	double resolution = 0.01, noise = 0.001;
 	std::uint64_t seed = 20260101;
 	bool quick = false;
@@ -169,9 +172,15 @@ struct Times
 
 using CloudPtr = std::unique_ptr<lw_cloud, CloudReleaser>;
 
-CloudPtr makeCloud( const Settings& settings, bool blocked )
+/// @param threads null: the caller's alone
+CloudPtr makeCloud( const Settings& settings, bool blocked, unsigned* threads = nullptr )
 {
 	lw_cloud_def def = lw_cloud_def_default();
+	if ( threads != nullptr )
+	{
+		def.parallel = leeway::runTasks;
+		def.parallel_user = threads;
+	}
 	def.resolution = settings.resolution;
 	def.unseen_blocked = blocked;
 	def.clear_margin = 0.02;
@@ -330,7 +339,7 @@ int report( const Times& times, const lw_cloud_info& info, Result& result )
 		const double p99 = sorted[sorted.size() - 1 - sorted.size() / 100];
 		const Summary s = summarise( values );
 		std::printf(
-		    "  %-34s us: median %10.1f, 99 %% %10.1f, ratio %8.2f\n", what.c_str(), s.median, p99, s.median / base );
+		    "  %-44s us: median %10.1f, 99 %% %10.1f, ratio %8.2f\n", what.c_str(), s.median, p99, s.median / base );
 		Json row = { { "what", what }, { "p99_us", rounded( p99 ) }, { "ratio", rounded( s.median / base ) },
 		    { "voxels", info.occupied }, { "shapes", info.shapes }, { "rebuilt", summarise( times.rebuilt ).median },
 		    { "answers_hash", times.hash.text() } };
@@ -345,13 +354,17 @@ struct Run
 {
 	Run( const EdgeWorld& of, const Settings& s )
 	    : settings( s ), world( of ), room( of, s ), cloud( makeCloud( s, false ) ), as_points( makeCloud( s, false ) ),
-	      blocked( makeCloud( s, true ) ), checker( edited( of.with_tables.get(), nullptr ) ), full( of.reference )
+	      blocked( makeCloud( s, true ) ), threads( s.threads ), threaded( makeCloud( s, false, &threads ) ),
+	      threaded_blocked( makeCloud( s, true, &threads ) ), checker( edited( of.with_tables.get(), nullptr ) ),
+	      full( of.reference )
 	{
 	}
 	const Settings& settings;
 	const EdgeWorld& world;
 	Room room;
 	CloudPtr cloud, as_points, blocked;
+	unsigned threads;
+	CloudPtr threaded, threaded_blocked;
 	std::vector<PeerFrame> for_peers;
 	leeway::Checker checker;
 	std::vector<double> full;
@@ -362,7 +375,7 @@ struct Run
 	std::size_t guarded = 0;  ///< answers FREE
 };
 
-void note( Times& times, bool measured, const char* what, double value )
+void note( Times& times, bool measured, const std::string& what, double value )
 {
 	if ( measured )
 	{
@@ -452,6 +465,22 @@ void takeFrame( Run& run, const lw_cloud_frame& frame, const std::vector<float>&
 	}
 }
 
+/// The same frame into a cloud of several threads.
+void takeThreaded( Run& run, const lw_cloud_frame& frame, bool blocked, bool measured )
+{
+	lw_cloud* cloud = ( blocked ? run.threaded_blocked : run.threaded ).get();
+	const std::string how = ( blocked ? ", unseen is blocked, " : ", " ) + std::to_string( run.threads ) + " threads";
+	const auto wall = []( const std::function<void()>& work )
+	{
+		const auto begin = std::chrono::steady_clock::now();
+		work();
+		return std::chrono::duration<double, std::micro>( std::chrono::steady_clock::now() - begin ).count();
+	};
+	note( run.times, measured, ( blocked ? "insert" : "insert a depth image" ) + how,
+	    wall( [&] { insert( cloud, frame, nullptr ); } ) );
+	note( run.times, measured, "scene" + how, wall( [&] { sceneOf( cloud ); } ) );
+}
+
 /// Frame number k: first the camera looks all around and up and down, then it follows the robot.
 void drive( Run& run, int k, int warm, int settled )
 {
@@ -475,6 +504,10 @@ void drive( Run& run, int k, int warm, int settled )
 	frame.state = run.full.data();
 	const std::vector<float> points = pointsOf( depths, frame.depth, camera );
 	takeFrame( run, frame, points, k >= warm );
+	if ( run.threads > 1 )
+	{
+		takeThreaded( run, frame, false, k >= warm );
+	}
 	if ( k < warm )
 	{
 		return;
@@ -489,6 +522,10 @@ void drive( Run& run, int k, int warm, int settled )
 	    microseconds( [&] { insert( run.blocked.get(), frame, nullptr ); } ) );
 	note( run.times, k >= settled, "scene, unseen is blocked", microseconds( [&] { sceneOf( run.blocked.get() ); } ) );
 	run.times.rebuilt_blocked.push_back( lw_cloud_get_info( run.blocked.get() ).rebuilt );
+	if ( run.threads > 1 )
+	{
+		takeThreaded( run, frame, true, k >= settled );
+	}
 }
 
 int run( const Settings& s, Result& result )
@@ -524,6 +561,7 @@ void addLive( Bench& bench )
 	command.option( "--frames", s->frames, "that are measured", { 1, 1000000 } );
 	command.option( "--peer-frames", s->peer_frames, "of these for octomap, which is slow, and nanoflann", { 0, 1000000 } );
 	command.option( "--states", s->states, "states and edges", { 1, 1000000 } );
+	command.option( "--threads", s->threads, "of clouds that have some, beside those of one", { 1u, 1024u } );
 	command.option( "--resolution", s->resolution, "edge of a voxel, metres", { 1e-3, 1.0 } );
 	command.option( "--noise", s->noise, "of depths, standard deviation at 1 m, metres", { 0.0, 1.0 } );
 	command.option( "--seed", s->seed, "of noise and states" );

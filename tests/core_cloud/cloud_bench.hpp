@@ -3,6 +3,7 @@
 #pragma once
 
 #include "leeway/cloud.h"
+#include "leeway/handles.hpp"
 #include "poses.hpp"
 #include "seeded_rng.hpp"
 
@@ -193,4 +194,13 @@ inline lw_transform lookAt( const Point& eye, const Point& target )
 inline Point randomPoint( SeededRng& rng, double half )
 {
 	return { rng.uniform( -half, half ), rng.uniform( -half, half ), rng.uniform( -half, half ) };
+}
+
+/// The cloud as an object of this name in a scene.
+inline leeway::Scene sceneOf( lw_cloud* cloud, const lw_scene* base = nullptr )
+{
+	lw_scene* scene = nullptr;
+	lw_diag diag = {};
+	EXPECT_EQ( LW_OK, lw_cloud_scene( cloud, base, "cloud", &diag, &scene ) ) << diag.message;
+	return leeway::Scene::adopt( scene );
 }

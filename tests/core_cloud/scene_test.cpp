@@ -14,14 +14,6 @@
 namespace
 {
 
-leeway::Scene sceneOf( lw_cloud* cloud, const lw_scene* base = nullptr )
-{
-	lw_scene* scene = nullptr;
-	lw_diag diag = {};
-	EXPECT_EQ( LW_OK, lw_cloud_scene( cloud, base, "cloud", &diag, &scene ) ) << diag.message;
-	return leeway::Scene::adopt( scene );
-}
-
 /// Distance of a point to all shapes of a scene.
 double distanceTo( const lw_scene* scene, const Point& p, lw_query* query, const lw_shape* point )
 {

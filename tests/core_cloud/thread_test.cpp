@@ -5,6 +5,7 @@
 #include "random_robot.hpp"
 #include "sanitized.hpp"
 #include "simple_shapes.hpp"
+#include "wild_threads.hpp"
 
 #include <atomic>
 #include <functional>
@@ -72,6 +73,26 @@ void look( DepthFrame& frame, int k, SeededRng& rng )
 	}
 }
 
+/// Shapes of the cloud's scene: as many, each with the same bounds and box.
+void expectSameScenes( lw_cloud* a, lw_cloud* b )
+{
+	const leeway::Scene scenes[2] = { sceneOf( a ), sceneOf( b ) };
+	const std::uint32_t count = lw_scene_shape_count( scenes[0].get() );
+	ASSERT_EQ( count, lw_scene_shape_count( scenes[1].get() ) );
+	ASSERT_EQ( lw_cloud_get_info( a ).rebuilt, lw_cloud_get_info( b ).rebuilt );
+	for ( std::uint32_t i = 0; i < count; ++i )
+	{
+		const lw_shape_info x = lw_shape_get_info( lw_scene_shape( scenes[0].get(), i ).shape ),
+		                    y = lw_shape_get_info( lw_scene_shape( scenes[1].get(), i ).shape );
+		ASSERT_EQ( x.vertex_count, y.vertex_count );
+		for ( int k = 0; k < 3; ++k )
+		{
+			ASSERT_EQ( x.box_min[k], y.box_min[k] );
+			ASSERT_EQ( x.box_max[k], y.box_max[k] );
+		}
+	}
+}
+
 } // namespace
 
 TEST( CloudThreads, AReaderSeesAnotherSnapshot )
@@ -98,11 +119,9 @@ TEST( CloudThreads, AReaderSeesAnotherSnapshot )
 		DepthFrame frame( k, lookAt( { -1, 0, 0 }, { 1, 0, 0 } ), 96, 72, 120 );
 		look( frame, k, rng );
 		insert( cloud.get(), frame.frame );
-		lw_scene* scene = nullptr;
-		ASSERT_EQ( LW_OK, lw_cloud_scene( cloud.get(), nullptr, "cloud", nullptr, &scene ) );
-		const leeway::Scene owner = leeway::Scene::adopt( scene );
+		const leeway::Scene scene = sceneOf( cloud.get() );
 		lw_checker_edit_def edit = lw_checker_edit_def_default();
-		edit.scene = scene;
+		edit.scene = scene.get();
 		lw_checker* edited = nullptr;
 		ASSERT_EQ( LW_OK, lw_checker_edit( checker.get(), &edit, nullptr, nullptr, &edited ) );
 		checker = leeway::Checker::adopt( edited );
@@ -122,4 +141,38 @@ TEST( CloudThreads, AReaderSeesAnotherSnapshot )
 		reader.join();
 	}
 	EXPECT_EQ( shared.wrong.load(), 0 );
+}
+
+// Tasks that share counts, chunks or memory give another map with each run.
+TEST( CloudThreads, RaysOfAThreadAreLost )
+{
+	SeededRng rng( 20261129 );
+	int calls = 0;
+	std::uint32_t cleared = 0, uncovered = 0;
+	for ( const bool blocked : { false, true } )
+	{
+		lw_cloud_def def = cloudOf( 0.02, 2 );
+		def.unseen_blocked = blocked;
+		const CloudPtr alone = makeCloud( def );
+		def.parallel = runOnThreads;
+		def.parallel_user = &calls;
+		const CloudPtr threaded = makeCloud( def );
+		for ( int k = 1; k <= unlessSanitized( 20, 6 ); ++k )
+		{
+			DepthFrame frame( k, lookAt( { -1, 0.1 * k, 0 }, { 1, 0, 0 } ), 96, 72, 120 );
+			look( frame, k, rng );
+			const lw_cloud_report x = insert( alone.get(), frame.frame ), y = insert( threaded.get(), frame.frame );
+			ASSERT_EQ( x.added, y.added );
+			ASSERT_EQ( x.cleared, y.cleared );
+			ASSERT_EQ( x.uncovered, y.uncovered );
+			cleared += x.cleared;
+			uncovered += x.uncovered;
+			expectSameScenes( alone.get(), threaded.get() );
+		}
+		EXPECT_EQ( voxelsOf( alone.get() ), voxelsOf( threaded.get() ) );
+		EXPECT_EQ( voxelsOf( alone.get(), LW_VOXEL_FREE ), voxelsOf( threaded.get(), LW_VOXEL_FREE ) );
+	}
+	EXPECT_GT( calls, 40 );
+	EXPECT_GT( cleared, 100u );
+	EXPECT_GT( uncovered, 100000u );
 }

@@ -11,7 +11,7 @@
 
 LW_EXTERN_C_BEGIN
 
-/// Voxels in a box of the world. Calls of one cloud come one at a time; the shapes in its scenes are immutable and shared.
+/// Voxels in a box of the world. Calls of one cloud come one at a time, and may use threads of yours (lw_cloud_def::parallel); the shapes in its scenes are immutable and shared.
 typedef struct lw_cloud lw_cloud;
 
 /// Sensors of one cloud are numbered from 0 to this number less one.
@@ -33,6 +33,11 @@ typedef struct lw_cloud_def
 	/// Metres and radians: a sensor that has moved or turned by more since its frame before has jumped. INFINITY: no limit.
 	double jump_distance, jump_angle;
 	uint32_t most_blocks; ///< of 8 x 8 x 8 voxels, some 2.3 kB each: the most that are kept
+	/// Runs task( context, i ) for each i below count, on any number of threads in any order, and returns when all have returned. Tasks that it
+	/// does not run are then run one by one. lw_cloud_insert() gives it the rays, lw_cloud_scene() the shapes; no answer depends on it. The
+	/// allocator must be thread-safe. NULL: all tasks run on the calling thread.
+	void ( *parallel )( void* user, void ( *task )( void* context, uint32_t index ), void* context, uint32_t count );
+	void* parallel_user; ///< it has to live as long as the cloud
 	uint32_t cookie;
 } lw_cloud_def;
 

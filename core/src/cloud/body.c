@@ -223,11 +223,21 @@ static float measure_cell( lw_cloud* cloud, const lwi_body_grid* grid, lw_vec3 c
 											  : INFINITY;
 }
 
-static bool is_on_body( lw_cloud* cloud, const lwi_own_body* body, lw_vec3 point )
+typedef enum answer
+{
+	OFF,
+	ON,
+	OPEN ///< the distance of its cell does not tell
+} answer;
+
+/// @param at [out] the point, in the frame of the body
+static answer by_cell( lw_cloud* cloud, const lwi_own_body* body, lw_vec3 point, double at[3] )
 {
 	const lwi_body_grid* grid = body->grid;
 	const lw_vec3 p = lwi_untransform( &body->world_from_body, point );
-	const double at[3] = { p.x, p.y, p.z };
+	at[0] = p.x;
+	at[1] = p.y;
+	at[2] = p.z;
 	double center[3], from_sq = 0;
 	size_t place = 0;
 	for ( int k = 2; k >= 0; --k )
@@ -235,7 +245,7 @@ static bool is_on_body( lw_cloud* cloud, const lwi_own_body* body, lw_vec3 point
 		const double cell = ( at[k] - grid->low[k] ) * grid->inverse;
 		if ( !( cell >= 0 && cell < grid->size[k] ) )
 		{
-			return false; // beyond the box and the shadow
+			return OFF; // beyond the box and the shadow
 		}
 		const uint32_t c = (uint32_t)cell;
 		place = place * grid->size[k] + c;
@@ -248,25 +258,38 @@ static bool is_on_body( lw_cloud* cloud, const lwi_own_body* body, lw_vec3 point
 		*known = measure_cell( cloud, grid, lwi_load( center ) );
 	}
 	const double d = (double)*known, way = sqrt( from_sq ) + SLACK;
-	if ( d - way > cloud->def.shadow )
-	{
-		return false;
-	}
-	if ( d + way <= cloud->def.shadow )
-	{
-		return true;
-	}
+	return d - way > cloud->def.shadow ? OFF : d + way <= cloud->def.shadow ? ON : OPEN;
+}
+
+static bool by_distance( lw_cloud* cloud, const lwi_own_body* body, const double at[3] )
+{
 	const lw_range range = lw_range_threshold( cloud->def.shadow );
-	return measure( cloud, grid->shape, p, &range ).kind == LW_CLEARANCE_VIOLATION;
+	return measure( cloud, body->grid->shape, lwi_load( at ), &range ).kind == LW_CLEARANCE_VIOLATION;
 }
 
 bool lwi_own_body_has( lw_cloud* cloud, const lwi_own_body* bodies, const lwi_body_set* which, lw_vec3 point )
 {
+	// a point on a link is mostly in the open cells of its neighbours: no distance is measured before all cells were asked
+	lwi_body_set open = { { 0 } };
+	double at[3];
 	for ( uint32_t w = 0; w < LWI_BODY_WORDS; ++w )
 	{
 		for ( uint64_t left = which->word[w]; left != 0; left &= left - 1 )
 		{
-			if ( is_on_body( cloud, &bodies[w << 6 | lwi_lowest( left )], point ) )
+			const answer found = by_cell( cloud, &bodies[w << 6 | lwi_lowest( left )], point, at );
+			if ( found == ON )
+			{
+				return true;
+			}
+			open.word[w] |= found == OPEN ? left & ( 0 - left ) : 0;
+		}
+	}
+	for ( uint32_t w = 0; w < LWI_BODY_WORDS; ++w )
+	{
+		for ( uint64_t left = open.word[w]; left != 0; left &= left - 1 )
+		{
+			const lwi_own_body* body = &bodies[w << 6 | lwi_lowest( left )];
+			if ( by_cell( cloud, body, point, at ) == OPEN && by_distance( cloud, body, at ) )
 			{
 				return true;
 			}

@@ -12,7 +12,9 @@
 enum
 {
 	AHEAD = 4, ///< blocks
-	MANY = 32  ///< voxels of a word: worth a look at all of it
+	MANY = 32, ///< voxels of a word: worth a look at all of it
+	LISTED_BLOCKS = 16384,
+	LISTED_CHUNKS = 1024
 };
 
 typedef enum judgement
@@ -27,11 +29,36 @@ typedef struct triple
 	float x, y, z; ///< frame of the view
 } triple;
 
+/// A block whose voxels are looked up.
+typedef struct listed_block
+{
+	triple middle;
+	uint32_t index;
+	bool all; ///< of its voxels are free
+} listed_block;
+
+/// The blocks of a chunk in the list, and how many of their voxels became free.
+typedef struct listed_chunk
+{
+	lwi_chunk* chunk;
+	uint32_t first, last; ///< first <= i < last
+	uint32_t cleared, uncovered;
+} listed_chunk;
+
+/// Blocks are made while they are listed, by one thread; their voxels are cleared by several.
+typedef struct clear_list
+{
+	listed_block blocks[LISTED_BLOCKS];
+	listed_chunk chunks[LISTED_CHUNKS];
+	uint32_t block_count, chunk_count;
+} clear_list;
+
 typedef struct clearer
 {
 	lw_cloud* cloud;
 	const lwi_view* view;
 	lw_cloud_report* report;
+	clear_list* list;
 	uint32_t stamp;
 	float fx, fy, cx, cy;
 	float edge, margin;               ///< metres
@@ -256,14 +283,14 @@ static uint64_t free_bits( const clearer* c, triple middle, uint64_t asked )
 	return found;
 }
 
-static void set_free( clearer* c, lwi_chunk* chunk, lwi_block* block, uint32_t w, uint64_t bits )
+static void set_free( const lw_cloud* cloud, listed_chunk* in, lwi_block* block, uint32_t w, uint64_t bits )
 {
-	const uint64_t cleared = bits & block->occupied[w],
-				   uncovered = c->cloud->def.unseen_blocked ? bits & ~block->seen[w] : 0;
+	const uint64_t cleared = bits & block->occupied[w], uncovered = cloud->def.unseen_blocked ? bits & ~block->seen[w] : 0;
 	block->occupied[w] &= ~cleared;
 	block->seen[w] |= uncovered;
-	c->report->cleared += lwi_bits( cleared );
-	c->report->uncovered += lwi_bits( uncovered );
+	in->cleared += lwi_bits( cleared );
+	in->uncovered += lwi_bits( uncovered );
+	lwi_chunk* chunk = in->chunk;
 	chunk->occupied_changed = chunk->occupied_changed || cleared != 0;
 	chunk->unseen_changed = chunk->unseen_changed || uncovered != 0;
 	chunk->untidy = chunk->untidy || ( cleared | uncovered ) != 0;
@@ -295,26 +322,13 @@ static uint32_t count_in_box( const lw_cloud* cloud, const int32_t corner[3], in
 	return count;
 }
 
-/// @param first voxel of the chunk
-static void clear_block( clearer* c, uint32_t chunk_index, const int32_t first[3], uint32_t b )
+/// Lists what can be cleared of a block. @param first voxel of the chunk
+static void list_block( clearer* c, uint32_t chunk_index, const int32_t first[3], uint32_t b )
 {
 	lw_cloud* cloud = c->cloud;
 	lwi_chunk* chunk = lwi_chunk_at( cloud, chunk_index );
 	const uint32_t is = chunk->blocks[b];
 	if ( is == LWI_ALL_FREE || ( is == LWI_ALL_UNSEEN && !cloud->def.unseen_blocked ) )
-	{
-		return;
-	}
-	const lwi_block* known = lwi_is_made( is ) ? lwi_block_at( cloud, is ) : NULL;
-	uint64_t asked[LWI_BLOCK_WORDS], any = known == NULL;
-	const bool is_hit = known != NULL && lwi_times_at( cloud, is )->frame == cloud->frame;
-	for ( uint32_t w = 0; known != NULL && w < LWI_BLOCK_WORDS; ++w )
-	{
-		const uint64_t hit = is_hit ? known->hit[w] : 0;
-		asked[w] = ( known->occupied[w] & ~hit ) | ( cloud->def.unseen_blocked ? ~known->seen[w] : 0 );
-		any |= asked[w];
-	}
-	if ( any == 0 )
 	{
 		return;
 	}
@@ -331,7 +345,7 @@ static void clear_block( clearer* c, uint32_t chunk_index, const int32_t first[3
 	{
 		return;
 	}
-	if ( all == ALL && known == NULL )
+	if ( all == ALL && !lwi_is_made( is ) )
 	{
 		c->report->uncovered += count_in_box( cloud, corner, LWI_BLOCK_EDGE );
 		chunk->blocks[b] = LWI_ALL_FREE;
@@ -343,23 +357,64 @@ static void clear_block( clearer* c, uint32_t chunk_index, const int32_t first[3
 	{
 		return; // no room: it stays unseen
 	}
-	lwi_block* block = lwi_block_at( cloud, index );
-	chunk->untidy = chunk->untidy || known == NULL; // it may stay unseen
+	chunk->untidy = chunk->untidy || !lwi_is_made( is ); // it may stay unseen
+	c->list->blocks[c->list->block_count++] = ( listed_block ){ middle, index, all == ALL };
+}
+
+static void clear_block( const clearer* c, listed_chunk* in, const listed_block* listed )
+{
+	const lw_cloud* cloud = c->cloud;
+	lwi_block* block = lwi_block_at( cloud, listed->index );
+	const bool is_hit = lwi_times_at( cloud, listed->index )->frame == cloud->frame;
 	for ( uint32_t w = 0; w < LWI_BLOCK_WORDS; ++w )
 	{
-		const uint64_t wanted = known != NULL ? asked[w] : ~block->seen[w];
-		uint64_t bits = wanted == 0 || all == ALL ? wanted : free_bits( c, moved( middle, c->words[w] ), wanted );
-		bits = ( bits & ~block->occupied[w] ) | lwi_older_bits( cloud, index, w, bits & block->occupied[w], c->stamp );
+		const uint64_t hit = is_hit ? block->hit[w] : 0;
+		const uint64_t asked = ( block->occupied[w] & ~hit ) | ( cloud->def.unseen_blocked ? ~block->seen[w] : 0 );
+		if ( asked == 0 )
+		{
+			continue;
+		}
+		uint64_t bits = listed->all ? asked : free_bits( c, moved( listed->middle, c->words[w] ), asked );
+		bits =
+			( bits & ~block->occupied[w] ) | lwi_older_bits( cloud, listed->index, w, bits & block->occupied[w], c->stamp );
 		if ( bits != 0 )
 		{
-			set_free( c, chunk, block, w, bits );
+			set_free( cloud, in, block, w, bits );
 		}
 	}
 }
 
-static void clear_chunk( clearer* c, size_t place )
+/// A task. @param context clearer* @param index of the chunk in the list
+static void clear_listed( void* context, uint32_t index )
+{
+	const clearer* c = context;
+	clear_list* list = c->list;
+	listed_chunk* in = &list->chunks[index];
+	for ( uint32_t i = in->first; i < in->last; ++i )
+	{
+		const uint32_t ahead = i + AHEAD < list->block_count ? i + AHEAD : i;
+		lwi_block_expect( c->cloud, list->blocks[ahead].index );
+		clear_block( c, in, &list->blocks[i] );
+	}
+}
+
+/// Clears what is listed, on the user's threads: no two chunks share anything that is written.
+static void clear_list_now( clearer* c )
+{
+	clear_list* list = c->list;
+	lwi_run_tasks( &c->cloud->threads, &c->cloud->allocator, clear_listed, c, list->chunk_count );
+	for ( uint32_t i = 0; i < list->chunk_count; ++i )
+	{
+		c->report->cleared += list->chunks[i].cleared;
+		c->report->uncovered += list->chunks[i].uncovered;
+	}
+	list->chunk_count = list->block_count = 0;
+}
+
+static void list_chunk( clearer* c, size_t place )
 {
 	lw_cloud* cloud = c->cloud;
+	clear_list* list = c->list;
 	uint32_t is = cloud->table[place];
 	if ( is == LWI_ALL_FREE || ( is == LWI_ALL_UNSEEN && !cloud->def.unseen_blocked ) )
 	{
@@ -382,11 +437,22 @@ static void clear_chunk( clearer* c, size_t place )
 		return;
 	}
 	is = lwi_chunk_make( cloud, place );
-	for ( uint32_t b = 0; is != LW_INVALID_INDEX && b < LWI_CHUNK_BLOCKS; ++b )
+	if ( is == LW_INVALID_INDEX )
 	{
-		const uint32_t ahead = b + AHEAD < LWI_CHUNK_BLOCKS ? b + AHEAD : b;
-		lwi_block_expect( cloud, lwi_chunk_at( cloud, is )->blocks[ahead] );
-		clear_block( c, is, corner, b );
+		return; // no memory: it stays unseen
+	}
+	if ( list->block_count > LISTED_BLOCKS - LWI_CHUNK_BLOCKS || list->chunk_count == LISTED_CHUNKS )
+	{
+		clear_list_now( c );
+	}
+	const uint32_t first = list->block_count;
+	for ( uint32_t b = 0; b < LWI_CHUNK_BLOCKS; ++b )
+	{
+		list_block( c, is, corner, b );
+	}
+	if ( list->block_count > first )
+	{
+		list->chunks[list->chunk_count++] = ( listed_chunk ){ lwi_chunk_at( cloud, is ), first, list->block_count, 0, 0 };
 	}
 }
 
@@ -440,6 +506,7 @@ static clearer begin_clear( lw_cloud* cloud, const lwi_view* view, uint32_t stam
 	clearer c = { .cloud = cloud,
 		.view = view,
 		.report = report,
+		.list = cloud->scratch[3].data,
 		.stamp = stamp,
 		.fx = (float)view->fx,
 		.fy = (float)view->fy,
@@ -477,6 +544,19 @@ static clearer begin_clear( lw_cloud* cloud, const lwi_view* view, uint32_t stam
 	return c;
 }
 
+bool lwi_cloud_clear_room( lw_cloud* cloud )
+{
+	lwi_array* scratch = &cloud->scratch[3];
+	const bool is_new = scratch->data == NULL,
+			   made = lwi_array_reserve( scratch, &cloud->allocator, 1, sizeof( clear_list ) );
+	if ( made && is_new )
+	{
+		clear_list* list = scratch->data;
+		list->chunk_count = list->block_count = 0;
+	}
+	return made;
+}
+
 void lwi_cloud_clear_view( lw_cloud* cloud, const lwi_view* view, uint32_t stamp, lw_cloud_report* report )
 {
 	clearer c = begin_clear( cloud, view, stamp, report );
@@ -490,9 +570,10 @@ void lwi_cloud_clear_view( lw_cloud* cloud, const lwi_view* view, uint32_t stamp
 		{
 			if ( lwi_chunk_at( cloud, i )->place != LW_INVALID_INDEX )
 			{
-				clear_chunk( &c, lwi_chunk_at( cloud, i )->place );
+				list_chunk( &c, lwi_chunk_at( cloud, i )->place );
 			}
 		}
+		clear_list_now( &c );
 		return;
 	}
 	uint32_t first[3], last[3], at[3];
@@ -503,8 +584,9 @@ void lwi_cloud_clear_view( lw_cloud* cloud, const lwi_view* view, uint32_t stamp
 		{
 			for ( at[0] = first[0]; at[0] <= last[0]; ++at[0] )
 			{
-				clear_chunk( &c, lwi_table_place( cloud, at ) );
+				list_chunk( &c, lwi_table_place( cloud, at ) );
 			}
 		}
 	}
+	clear_list_now( &c );
 }

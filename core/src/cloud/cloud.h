@@ -8,6 +8,7 @@
 #define LEEWAY_CLOUD_CLOUD_H
 
 #include "base/grow.h"
+#include "base/tasks.h"
 #include "leeway/cloud.h"
 #include "simd/kernels.h"
 
@@ -15,7 +16,7 @@ LW_EXTERN_C_BEGIN
 
 enum
 {
-	LWI_CLOUD_SCRATCH = 3
+	LWI_CLOUD_SCRATCH = 4
 };
 
 /// Places without a block, or without a chunk: everything in it is unseen, or free.
@@ -44,7 +45,7 @@ typedef struct lwi_block_times
 
 enum
 {
-	LWI_SLAB_BLOCKS = 64
+	LWI_SLAB_BLOCKS = 1024 ///< 2.4 MB: enough for large pages
 };
 
 /// Memory of blocks. Each frame asks for the times of all blocks in view, and for some of their bits; few points need stamps: they are apart.
@@ -61,6 +62,7 @@ typedef struct lwi_chunk
 	uint32_t blocks[LWI_CHUNK_BLOCKS];
 	bool occupied_changed, unseen_changed; ///< since the shapes were made
 	bool untidy;                           ///< something was removed since lwi_chunk_tidy()
+	uint32_t rebuilt;                      ///< shapes that the last scene made anew
 	lw_shape *occupied, *unseen;           ///< of the last scene; NULL: none
 } lwi_chunk;
 
@@ -79,6 +81,7 @@ struct lw_cloud
 	lw_allocator allocator;
 	const lwi_kernels* kernels;
 	lw_cloud_def def;
+	lwi_threads threads;
 	double inverse;          ///< 1 / resolution
 	int32_t first[3];        ///< voxel with which the table begins, a multiple of LWI_CHUNK_EDGE
 	int32_t low[3], high[3]; ///< voxels of the box, relative to `first`: low <= i < high
@@ -103,7 +106,8 @@ struct lw_cloud
 	lwi_array grids; ///< of struct lwi_body_grid*
 	lw_query* query; ///< for distances to bodies; NULL: none was asked for
 	lw_shape* point;
-	lwi_array scratch[LWI_CLOUD_SCRATCH]; ///< bytes, of cloud/insert.c and cloud/view.c: they keep their memory
+	lwi_array
+		scratch[LWI_CLOUD_SCRATCH]; ///< bytes, of cloud/insert.c, cloud/view.c and cloud/clear.c: they keep their memory
 };
 
 /// Bits of 3 numbers below 8, x first.
@@ -134,8 +138,13 @@ static inline lwi_block_times* lwi_times_at( const lw_cloud* cloud, uint32_t blo
 {
 	return &( (lwi_slab**)cloud->slabs.data )[block / LWI_SLAB_BLOCKS]->times[block % LWI_SLAB_BLOCKS];
 }
-/// Has the memory of a block brought near before it is read. @param block LWI_ALL_FREE and LWI_ALL_UNSEEN have none
-static inline void lwi_block_expect( const lw_cloud* cloud, uint32_t block )
+/// Has the memory of a block brought near before it is read. GCC drops calls of a function that does no more, so it has to be inlined.
+/// @param block LWI_ALL_FREE and LWI_ALL_UNSEEN have none
+#if defined( __GNUC__ )
+__attribute__( ( always_inline ) )
+#endif
+static inline void
+lwi_block_expect( const lw_cloud* cloud, uint32_t block )
 {
 #if defined( __GNUC__ )
 	if ( lwi_is_made( block ) )
@@ -302,6 +311,7 @@ void lwi_view_finish( lwi_view* view );
 /// The nearest ray of a pixel of points, in the view's frame. @param pixel one that has a ray
 void lwi_view_ray( const lwi_view* view, size_t pixel, float out[3] );
 
+bool lwi_cloud_clear_room( lw_cloud* cloud ); ///< for lwi_cloud_clear_view(). @return false without memory
 /// Clears by the rays of a view. @param stamp of the frame: later hits are not cleared
 void lwi_cloud_clear_view( lw_cloud* cloud, const lwi_view* view, uint32_t stamp, lw_cloud_report* report );
 

@@ -674,7 +674,7 @@ static lw_status prepare( lw_cloud* cloud, const lw_cloud_frame* frame, lw_diag*
 {
 	out->pose = lwi_orthonormal( &frame->world_from_sensor );
 	out->clears = frame->clears;
-	if ( !make_room( cloud, frame, out ) )
+	if ( !make_room( cloud, frame, out ) || ( out->clears && !lwi_cloud_clear_room( cloud ) ) )
 	{
 		return lwi_out_of_memory( diag, "a frame" );
 	}

@@ -6,47 +6,60 @@
 
 #include <string.h>
 
-/// Puts a new shape in the place of an old one.
-static lw_status renew( lw_cloud* cloud, lw_status status, lw_shape* made, lw_shape** shape, bool* changed )
+/// Puts a new shape in the place of an old one. @return how many there are, 0 or 1
+static uint32_t renew( lw_shape* made, lw_shape** shape, bool* changed )
 {
-	if ( status == LW_OK )
+	lw_shape_release( *shape );
+	*shape = made;
+	*changed = false;
+	return made != NULL ? 1 : 0;
+}
+
+/// The shapes of a chunk, if they are not up to date.
+static lw_status make_chunk_shapes( const lw_cloud* cloud, lwi_chunk* chunk, lw_diag* diag )
+{
+	lw_status status = LW_OK;
+	lw_shape* made = NULL;
+	if ( chunk->place != LW_INVALID_INDEX && chunk->occupied_changed )
 	{
-		lw_shape_release( *shape );
-		*shape = made;
-		*changed = false;
-		cloud->rebuilt += made != NULL ? 1 : 0;
+		status = lwi_occupied_shape( cloud, chunk, diag, &made );
+		chunk->rebuilt += status == LW_OK ? renew( made, &chunk->occupied, &chunk->occupied_changed ) : 0;
+	}
+	if ( chunk->place != LW_INVALID_INDEX && chunk->unseen_changed && cloud->def.unseen_blocked && status == LW_OK )
+	{
+		status = lwi_unseen_shape( cloud, chunk, diag, &made );
+		chunk->rebuilt += status == LW_OK ? renew( made, &chunk->unseen, &chunk->unseen_changed ) : 0;
 	}
 	return status;
+}
+
+/// A task. What fails is tried again by make_shapes(), which says why. @param context lw_cloud* @param index of a chunk
+static void try_chunk_shapes( void* context, uint32_t index )
+{
+	const lw_cloud* cloud = context;
+	lwi_chunk* chunk = lwi_chunk_at( cloud, index );
+	chunk->rebuilt = 0;
+	(void)make_chunk_shapes( cloud, chunk, NULL );
 }
 
 /// Makes the shapes that are not up to date.
 static lw_status make_shapes( lw_cloud* cloud, lw_diag* diag )
 {
 	lw_status status = LW_OK;
-	lw_shape* made = NULL;
 	cloud->rebuilt = 0;
 	if ( cloud->far_changed )
 	{
+		lw_shape* made = NULL;
 		status = lwi_far_unseen_shape( cloud, diag, &made );
-		status = renew( cloud, status, made, &cloud->far_unseen, &cloud->far_changed );
+		cloud->rebuilt += status == LW_OK ? renew( made, &cloud->far_unseen, &cloud->far_changed ) : 0;
 	}
-	for ( uint32_t i = 0; i < cloud->chunks.count && status == LW_OK; ++i )
+	const uint32_t count = status == LW_OK ? (uint32_t)cloud->chunks.count : 0;
+	lwi_run_tasks( &cloud->threads, &cloud->allocator, try_chunk_shapes, cloud, count );
+	for ( uint32_t i = 0; i < count && status == LW_OK; ++i )
 	{
 		lwi_chunk* chunk = lwi_chunk_at( cloud, i );
-		if ( chunk->place == LW_INVALID_INDEX )
-		{
-			continue;
-		}
-		if ( chunk->occupied_changed )
-		{
-			status = lwi_occupied_shape( cloud, chunk, diag, &made );
-			status = renew( cloud, status, made, &chunk->occupied, &chunk->occupied_changed );
-		}
-		if ( chunk->unseen_changed && cloud->def.unseen_blocked && status == LW_OK )
-		{
-			status = lwi_unseen_shape( cloud, chunk, diag, &made );
-			status = renew( cloud, status, made, &chunk->unseen, &chunk->unseen_changed );
-		}
+		status = make_chunk_shapes( cloud, chunk, diag );
+		cloud->rebuilt += chunk->rebuilt;
 	}
 	return status;
 }

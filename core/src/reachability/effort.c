@@ -311,8 +311,8 @@ static lw_status run_step( effort_round* r, const ranked* order )
 			r->chosen[r->chosen_count++] = order[i].index;
 		}
 	}
-	lw_status status = r->chosen_count > 0 ? lwi_reach_run( r->analysers->job, work_on, r, r->chosen_count ) : LW_OK;
-	return atomic_load( &r->analysers->out_of_memory ) ? LW_ERROR_OUT_OF_MEMORY : status;
+	lwi_reach_run( r->analysers->job, work_on, r, r->chosen_count );
+	return atomic_load( &r->analysers->out_of_memory ) ? LW_ERROR_OUT_OF_MEMORY : LW_OK;
 }
 
 static lw_status run_rounds( effort_round* r, const ranked* order )

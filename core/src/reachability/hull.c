@@ -255,7 +255,7 @@ static lw_status build_tiers( builder* b, const uint32_t* height )
 			count += height[link] == h ? 1u : 0u;
 		}
 		left -= count;
-		status = lwi_reach_run( b->job, build_task, b, count );
+		lwi_reach_run( b->job, build_task, b, count );
 		for ( uint32_t i = 0; i < count && status == LW_OK; ++i )
 		{
 			status = b->status[b->tier[i]];

@@ -317,8 +317,8 @@ static lw_status measure_batches( work* w, batch* b, lwi_pair_analyser* analyser
 		{
 			b->seen[k] = ( sighting ){ w->list.active[k % w->list.count].pair->closest, LW_INVALID_INDEX, 0, 0 };
 		}
-		lw_status status = lwi_reach_run( w->job, measure_part, b, b->parts );
-		if ( status != LW_OK || atomic_load( &w->analysers.out_of_memory ) )
+		lwi_reach_run( w->job, measure_part, b, b->parts );
+		if ( atomic_load( &w->analysers.out_of_memory ) )
 		{
 			return LW_ERROR_OUT_OF_MEMORY;
 		}
@@ -450,10 +450,11 @@ static lw_status run_sweeps( sweep* s, double deadline )
 	lw_status status = LW_OK;
 	while ( status == LW_OK && lwi_monotonic_seconds() < deadline && !is_cancelled( s->w ) && list_sweep( s ) )
 	{
-		status = lwi_reach_run( s->w->job, sweep_link, s, s->link_count );
-		status = status == LW_OK && !atomic_load( &s->failed ) && !is_cancelled( s->w )
-					 ? lwi_reach_run( s->w->job, compare_hulls, s, s->pair_count )
-					 : status;
+		lwi_reach_run( s->w->job, sweep_link, s, s->link_count );
+		if ( !atomic_load( &s->failed ) && !is_cancelled( s->w ) )
+		{
+			lwi_reach_run( s->w->job, compare_hulls, s, s->pair_count );
+		}
 		status = atomic_load( &s->failed ) ? LW_ERROR_OUT_OF_MEMORY : status;
 	}
 	return status;
@@ -518,8 +519,8 @@ static void search_pair( void* context, uint32_t index )
 static lw_status search_contacts( work* w )
 {
 	lwi_reach_begin( w->job, "search for contact", 0, w->list.count );
-	lw_status status = lwi_reach_run( w->job, search_pair, w, w->list.count );
-	return atomic_load( &w->analysers.out_of_memory ) ? LW_ERROR_OUT_OF_MEMORY : status;
+	lwi_reach_run( w->job, search_pair, w, w->list.count );
+	return atomic_load( &w->analysers.out_of_memory ) ? LW_ERROR_OUT_OF_MEMORY : LW_OK;
 }
 
 // ---- classes ---------------------------------------------------------------------------------------------------------
@@ -641,7 +642,7 @@ static lw_status measure_and_prove( work* w )
 	}
 	if ( status == LW_OK && !is_cancelled( w ) )
 	{
-		status = lwi_reach_run( w->job, finish_pair, w, w->list.count );
+		lwi_reach_run( w->job, finish_pair, w, w->list.count );
 		w->reach->seconds += lwi_monotonic_seconds() - w->begin;
 	}
 	return atomic_load( &w->analysers.out_of_memory ) ? LW_ERROR_OUT_OF_MEMORY : status;

@@ -4,6 +4,7 @@
 #define LEEWAY_REACHABILITY_REACH_H
 
 #include "base/base.h"
+#include "base/tasks.h"
 #include "leeway/reach.h"
 #include "reachability/clearance_grid.h"
 #include "robot/robot.h"
@@ -128,9 +129,8 @@ void lwi_reach_step( const lwi_reach_job* job );
 /// Seconds of a clock that never goes back.
 double lwi_monotonic_seconds( void );
 
-/// task( context, i ) for all i below count, on the threads that the def provides. @return LW_OK, LW_ERROR_OUT_OF_MEMORY
-lw_status lwi_reach_run( const lwi_reach_job* job, void ( *task )( void* context, uint32_t index ), void* context,
-	uint32_t count );
+/// task( context, i ) for all i below count, on the threads that the def provides.
+void lwi_reach_run( const lwi_reach_job* job, lwi_task* task, void* context, uint32_t count );
 
 // --- reachability/hull.c ----------------------------------------------------------------------------------------------------
 

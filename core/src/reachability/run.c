@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tasks of a reach on the threads that its user provides, and progress reported by any of them.
+// Tasks of a reach on the threads that its user provides, and progress that any of them reports.
 #define _POSIX_C_SOURCE 199309L // clock_gettime
 #include "base/math_inline.h"
 #include "reachability/reach.h"
@@ -80,45 +80,8 @@ bool lwi_reach_goes_on( const lwi_reach_job* job )
 	return goes_on;
 }
 
-/// Tasks that run once each, even if the user's function calls one twice or not at all.
-typedef struct run
+void lwi_reach_run( const lwi_reach_job* job, lwi_task* task, void* context, uint32_t count )
 {
-	void ( *task )( void* context, uint32_t index );
-	void* context;
-	uint32_t count;
-	atomic_bool* begun; ///< [count]
-} run;
-
-static void run_once( void* context, uint32_t index )
-{
-	const run* r = context;
-	if ( index < r->count && !atomic_exchange( &r->begun[index], true ) )
-	{
-		r->task( r->context, index );
-	}
-}
-
-lw_status lwi_reach_run( const lwi_reach_job* job, void ( *task )( void* context, uint32_t index ), void* context,
-	uint32_t count )
-{
-	const lw_allocator* memory = &job->reach->allocator;
-	run r = { task, context, count, lwi_alloc( memory, count * sizeof( atomic_bool ) ) };
-	if ( r.begun == NULL )
-	{
-		return LW_ERROR_OUT_OF_MEMORY;
-	}
-	for ( uint32_t i = 0; i < count; ++i )
-	{
-		atomic_init( &r.begun[i], false );
-	}
-	if ( job->def->parallel != NULL && count > 1 )
-	{
-		job->def->parallel( job->def->parallel_user, run_once, &r, count );
-	}
-	for ( uint32_t i = 0; i < count; ++i )
-	{
-		run_once( &r, i );
-	}
-	lwi_free( memory, r.begun, count * sizeof( atomic_bool ) );
-	return LW_OK;
+	const lwi_threads threads = { job->def->parallel, job->def->parallel_user };
+	lwi_run_tasks( &threads, &job->reach->allocator, task, context, count );
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <mutex>
 #include <system_error>
@@ -58,6 +59,13 @@ template <typename Work> void inParallel( std::size_t count, unsigned threads, c
 	{
 		std::rethrow_exception( failure );
 	}
+}
+
+/// lw_reach_def::parallel and lw_cloud_def::parallel. @param user const unsigned*: the number of threads, the caller's included
+inline void runTasks( void* user, void ( *task )( void*, std::uint32_t ), void* context, std::uint32_t count )
+{
+	inParallel( count, *static_cast<const unsigned*>( user ),
+	    [=]( std::size_t i ) { task( context, static_cast<std::uint32_t>( i ) ); } );
 }
 
 } // namespace leeway

@@ -207,7 +207,8 @@ lw_cloud_voxel stateOfName( const std::string& name )
 }
 
 void makeCloud( PyCloud* self, double resolution, const nb::object& box, const std::string& unseen, double sensor_error,
-    const nb::object& clear_margin, double shadow, double jump_distance, double jump_angle, const Whole& most_blocks )
+    const nb::object& clear_margin, double shadow, double jump_distance, double jump_angle, const Whole& most_blocks,
+    const Whole& threads )
 {
 	lw_cloud_def def = lw_cloud_def_default();
 	def.resolution = resolution;
@@ -232,7 +233,7 @@ void makeCloud( PyCloud* self, double resolution, const nb::object& box, const s
 	def.jump_distance = jump_distance;
 	def.jump_angle = jump_angle;
 	def.most_blocks = static_cast<std::uint32_t>( most_blocks.in( "most_blocks", 1, UINT32_MAX - 2 ) );
-	new ( self ) PyCloud( def );
+	new ( self ) PyCloud( def, threads.threads() );
 }
 
 /// Calls a function of the cloud alone with it, without the interpreter's lock.
@@ -354,13 +355,13 @@ void bindClouds( nb::module_& module )
 	type.def( "__init__", &makeCloud, nb::kw_only(), "resolution"_a = 0.01, "box"_a = nb::none(), "unseen"_a = "free",
 	    "sensor_error"_a = 0.0, "clear_margin"_a = nb::none(), "shadow"_a = 0.02,
 	    "jump_distance"_a = std::numeric_limits<double>::infinity(),
-	    "jump_angle"_a = std::numeric_limits<double>::infinity(), "most_blocks"_a = 65536,
+	    "jump_angle"_a = std::numeric_limits<double>::infinity(), "most_blocks"_a = 65536, "threads"_a = 1,
 	    nb::sig(
 	        "def __init__(self, *, resolution: float = 0.01, box: numpy.typing.ArrayLike | None = None, unseen: str = 'free', "
 	        "sensor_error: float = 0.0, clear_margin: float | None = None, shadow: float = 0.02, "
-	        "jump_distance: float = float('inf'), jump_angle: float = float('inf'), most_blocks: int = 65536) -> None" ),
+	        "jump_distance: float = float('inf'), jump_angle: float = float('inf'), most_blocks: int = 65536, threads: int = 1) -> None" ),
 	    "box: least and greatest corner in the world, [2, 3]; None: 2 m around the origin. unseen: 'free' or 'blocked'. Lengths in metres,\n"
-	    "angles in radians, as in leeway/cloud.h." );
+	    "angles in radians, as in leeway/cloud.h. threads: for the rays of a frame and the shapes of World.see(); 0 = one per core." );
 	bindFrames( type );
 	type.def( "set_box", &setBox, "low"_a, "high"_a, "state"_a,
 	    nb::sig( "def set_box(self, low: numpy.typing.ArrayLike, high: numpy.typing.ArrayLike, state: str) -> None" ),

@@ -83,7 +83,7 @@ struct PyChecker
 /// leeway.Cloud: one call at a time.
 struct PyCloud
 {
-	explicit PyCloud( const lw_cloud_def& def ) : cloud( def ) {}
+	PyCloud( const lw_cloud_def& def, unsigned threads ) : cloud( def, threads ) {}
 	std::mutex mutex;
 	io::Cloud cloud;
 };

@@ -143,3 +143,15 @@ def test_threads_take_turns():
     for thread in threads:
         thread.join()
     assert cloud.info["frames"] == 4 * 19
+
+
+def test_threads_of_a_cloud_give_another_map():
+    depth, intrinsics = wall()
+    maps = []
+    for threads in (1, 2, 0):
+        cloud = leeway.Cloud(resolution=0.02, box=BOX, unseen="blocked", threads=threads)
+        counts = [cloud.insert_depth(depth + 0.01 * k, intrinsics, 1.0 + k, pose=looking_along_x([-1, 0, 0.1 * k])) for k in range(4)]
+        maps.append((counts, sorted(map(tuple, cloud.voxels())), len(cloud.voxels("free"))))
+    assert maps[0] == maps[1] == maps[2] and maps[0][2] > 10000
+    with pytest.raises(ValueError, match="threads"):
+        leeway.Cloud(threads=-1)

@@ -61,7 +61,9 @@ lw_cloud_points pointsOf( const PointCloudMessage& cloud );
 class Cloud
 {
 public:
-	explicit Cloud( const lw_cloud_def& def ); ///< @throws CoreError
+	/// @param threads for the rays of a frame and the shapes of a scene, unless the definition has its own `parallel`: the caller's and those made
+	/// for each call, some 50 microseconds each; 0: one per processor. It changes no result @throws CoreError
+	explicit Cloud( const lw_cloud_def& def, unsigned threads = 1 );
 	~Cloud() { lw_cloud_destroy( m_cloud ); }
 	Cloud( const Cloud& ) = delete;
 	Cloud& operator=( const Cloud& ) = delete;
@@ -80,6 +82,7 @@ public:
 
 private:
 	lw_cloud* m_cloud = nullptr;
+	unsigned m_threads;
 };
 
 } // namespace leeway::io

@@ -3,6 +3,7 @@
 #include "leeway/io/cloud.hpp"
 
 #include "cloud/octomap_reader.hpp"
+#include "leeway/parallel.hpp"
 
 #include <octomap/OcTree.h>
 
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
+#include <thread>
 
 namespace leeway::io
 {
@@ -106,10 +108,17 @@ lw_cloud_points pointsOf( const PointCloudMessage& cloud )
 	return points;
 }
 
-Cloud::Cloud( const lw_cloud_def& def )
+Cloud::Cloud( const lw_cloud_def& def, unsigned threads )
+    : m_threads( threads > 0 ? threads : std::max( 1u, std::thread::hardware_concurrency() ) )
 {
 	lw_diag diag{};
-	require( lw_cloud_create( &def, nullptr, &diag, &m_cloud ), diag );
+	lw_cloud_def mine = def;
+	if ( def.parallel == nullptr && m_threads > 1 )
+	{
+		mine.parallel = runTasks;
+		mine.parallel_user = &m_threads;
+	}
+	require( lw_cloud_create( &mine, nullptr, &diag, &m_cloud ), diag );
 }
 
 lw_cloud_report Cloud::insert( const lw_cloud_frame& frame )

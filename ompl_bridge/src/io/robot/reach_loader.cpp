@@ -20,13 +20,6 @@ lw_digest keyOf( const lw_robot* robot )
 	return detail::digestWords( lw_robot_digest( robot ), { lw_version() } );
 }
 
-/// lw_reach_def::parallel. @param user the number of threads
-void runOnThreads( void* user, void ( *task )( void*, std::uint32_t ), void* context, std::uint32_t count )
-{
-	inParallel( count, *static_cast<const unsigned*>( user ),
-	    [=]( std::size_t i ) { task( context, static_cast<std::uint32_t>( i ) ); } );
-}
-
 /// Builds one, or goes on with one. Empty, with a notice, if this build of the library cannot make hulls: they are there for speed only.
 Reach advance( const Robot& robot, const Reach& from, const ReachOptions& options, std::vector<Notice>& notices )
 {
@@ -36,7 +29,7 @@ Reach advance( const Robot& robot, const Reach& from, const ReachOptions& option
 	unsigned threads = options.threads > 0 ? options.threads : std::max( 1u, std::thread::hardware_concurrency() );
 	if ( def.parallel == nullptr && threads > 1 )
 	{
-		def.parallel = runOnThreads;
+		def.parallel = runTasks;
 		def.parallel_user = &threads;
 	}
 	def.robot = from ? nullptr : robot.get();
