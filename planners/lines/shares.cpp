@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Coordinate descent over widths of courses and speeds at their seams, as leeway::manifold shares time among pieces (planners/manifold/drive.cpp). The
-// geometry is that of the fitted cubics: the joints' derivatives by the fraction of a leg, taken in the middle of each cubic.
+// Coordinate descent over widths of courses and speeds at their seams. The geometry is that of the fitted cubics: the joints' derivatives by the fraction of
+// a leg, taken in the middle of each cubic.
 #include "lines/shares.hpp"
+
+#include "motions/descent.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,12 +13,10 @@ namespace leeway::lines
 namespace
 {
 
-constexpr double first_factor = 1.5, least_factor = 1.02; // of a width or speed, by one change
-constexpr double least_gain = 1e-4;                       // of the time, by a change that is kept
-constexpr double worth = 0.01;                            // of the time, by all changes: else the run stays as it is
-constexpr int most_sweeps = 60;
-constexpr double need_power = 12; // of the mean of needs
-constexpr int places_of_leg = 12; // at which needs are estimated
+constexpr motions::Descent by_shares = { 1.5, 1.02, 1e-4, 6000 }; // of a width or speed
+constexpr double worth = 0.01;                                    // of the time, by all changes: else the run stays as it is
+constexpr double need_power = 12;                                 // of the mean of needs
+constexpr int places_of_leg = 12;                                 // at which needs are estimated
 constexpr double most_pace = 2.9; // of both speeds of a course, Euclidean: below 3 it goes forward (Fritsch, Carlson, 1980)
 constexpr std::uint32_t least_width = 64;
 
@@ -106,36 +106,19 @@ public:
 		{
 			m_needs[i] = need( i );
 		}
-		const double before = seconds();
-		double best = before;
-		int sweep = 0;
-		for ( double factor = first_factor; factor > least_factor && sweep < most_sweeps; ++sweep )
+		const auto take = [&]( std::size_t i, double value )
 		{
-			bool better = false;
-			for ( std::size_t i = 0; i < 2 * ( 2 * count - 1 ); ++i )
+			valueAt( i ) = value;
+			for ( std::size_t leg = i < count ? i : i - count; leg <= ( i < count ? i : i - count + 1 ); ++leg )
 			{
-				const std::size_t which = i / 2;
-				double& value = which < count ? m_widths[which] : m_seams[which - count + 1];
-				const double old = value;
-				value = i % 2 == 0 ? old / factor : old * factor;
-				const std::size_t first = which < count ? which : which - count, last = which < count ? which : first + 1;
-				const double needs[2] = { m_needs[first], m_needs[last] };
-				m_needs[first] = need( first );
-				m_needs[last] = last != first ? need( last ) : m_needs[first];
-				const double now = seconds();
-				if ( now < best * ( 1 - least_gain ) )
-				{
-					best = now;
-					better = true;
-					continue;
-				}
-				value = old;
-				m_needs[first] = needs[0];
-				m_needs[last] = needs[1];
+				m_needs[leg] = need( leg );
 			}
-			factor = better ? factor : std::sqrt( factor );
-		}
-		return best < before * ( 1 - worth );
+		};
+		const auto cost = [&] { return seconds(); };
+		const double before = cost();
+		return motions::descend(
+		           by_shares, 2 * count - 1, [&]( std::size_t i ) { return valueAt( i ); }, take, cost ) <
+		       before * ( 1 - worth );
 	}
 
 	/// @return false: a leg would have too few places
@@ -167,6 +150,9 @@ public:
 	}
 
 private:
+	/// The widths, then the speeds at seams between legs.
+	double& valueAt( std::size_t i ) { return i < m_widths.size() ? m_widths[i] : m_seams[i - m_widths.size() + 1]; }
+
 	/// The axes turn from waypoint to waypoint.
 	static void takeTurnings( Run& run )
 	{

@@ -4,6 +4,8 @@
 // others: that changes the speeds at states, so the cubics, which are proved again.
 #include "drive.hpp"
 
+#include "motions/descent.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -14,14 +16,12 @@ namespace
 {
 
 constexpr int most_rounds = 14, rounds_before_rests = 5;
-constexpr double first_factor = 2, least_factor = 1.02; // of a piece's share of the time, by one change
-constexpr double least_faster = 1e-4;                   // of the time, by a change that is kept
-constexpr int most_moves = 1000;                        // changes that are tried
-constexpr double need_power = 12;                       // of the mean of needs
-constexpr int share_rounds = 4;                         // with more states where a piece is not proved
-constexpr double least_part = 0.05;                     // of a change of shares that is not proved as a whole
-constexpr double corner_angle = 0.02;                   // radians between pieces: a smaller one is none
-constexpr double shortest = 1e-9;                       // of a piece, in joint space
+constexpr motions::Descent by_shares = { 2, 1.02, 1e-4, 1000 }; // of a piece's share of the time
+constexpr double need_power = 12;                               // of the mean of needs
+constexpr int share_rounds = 4;                                 // with more states where a piece is not proved
+constexpr double least_part = 0.05;                             // of a change of shares that is not proved as a whole
+constexpr double corner_angle = 0.02;                           // radians between pieces: a smaller one is none
+constexpr double shortest = 1e-9;                               // of a piece, in joint space
 
 /// A state of the path, and the piece of it that leads to the next one.
 struct Knot
@@ -364,21 +364,8 @@ private:
 				powers[k] = now;
 			}
 		};
-		double best = seconds();
-		int moves = 0;
-		for ( double factor = first_factor; factor > least_factor && moves < most_moves; )
-		{
-			bool better = false;
-			for ( std::size_t i = 0; i < 2 * count; ++i, ++moves )
-			{
-				const double old = shares[i / 2];
-				take( i / 2, i % 2 == 0 ? old / factor : old * factor );
-				const bool gains = seconds() < best * ( 1 - least_faster );
-				gains ? static_cast<void>( best = seconds() ) : take( i / 2, old );
-				better = better || gains;
-			}
-			factor = better ? factor : std::sqrt( factor );
-		}
+		motions::descend(
+		    by_shares, count, [&]( std::size_t i ) { return shares[i]; }, take, seconds );
 		double at = 0;
 		for ( std::size_t i = 0; i + 1 < count; ++i )
 		{

@@ -4,8 +4,9 @@
 #include "leeway/manifold/plan.hpp"
 
 #include "drive.hpp"
+#include "free_path.hpp"
 #include "ik/random.hpp"
-#include "leeway/planners/smooth.hpp"
+#include "tree.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -37,88 +38,14 @@ private:
 	std::chrono::steady_clock::time_point m_begin = std::chrono::steady_clock::now();
 };
 
-/// States of one side, and motions between them.
-class Tree
-{
-public:
-	void addRoot( const State& q ) { add( q, size(), {} ); }
-	/// The ends of all pieces of a way. @param from the node where it begins @return the last node
-	std::size_t addWay( std::size_t from, const std::vector<Piece>& way )
-	{
-		std::size_t node = from;
-		for ( const Piece& piece : way )
-		{
-			add( piece.last(), node, piece );
-			node = size() - 1;
-		}
-		return node;
-	}
-	std::size_t size() const { return m_branches.size(); }
-	State state( std::size_t node ) const
-	{
-		const std::size_t count = m_states.size() / size();
-		return Eigen::Map<const State>( m_states.data() + node * count, static_cast<Eigen::Index>( count ) );
-	}
-	/// @param turns [variables] of angles that wrap 2 pi, of others 0
-	std::size_t nearest( const State& turns, const State& q ) const
-	{
-		const Eigen::Index count = q.size();
-		std::size_t best = 0;
-		double least = HUGE_VAL;
-		const double* at = m_states.data();
-		for ( std::size_t i = 0; i < size(); ++i, at += count )
-		{
-			double square = 0;
-			for ( Eigen::Index k = 0; k < count; ++k )
-			{
-				const double way = q[k] - at[k];
-				square += turns[k] > 0 ? std::pow( std::remainder( way, turns[k] ), 2 ) : way * way;
-			}
-			if ( square < least )
-			{
-				least = square;
-				best = i;
-			}
-		}
-		return best;
-	}
-	/// From the root to a node.
-	std::vector<Piece> way( std::size_t node ) const
-	{
-		std::vector<Piece> pieces;
-		for ( ; m_branches[node].parent != node; node = m_branches[node].parent )
-		{
-			pieces.push_back( m_branches[node].piece );
-		}
-		std::reverse( pieces.begin(), pieces.end() );
-		return pieces;
-	}
-
-private:
-	struct Branch
-	{
-		std::size_t parent; ///< itself: a root
-		Piece piece;        ///< from the parent
-	};
-
-	void add( const State& q, std::size_t parent, const Piece& piece )
-	{
-		m_branches.push_back( { parent, piece } );
-		m_states.insert( m_states.end(), q.data(), q.data() + q.size() );
-	}
-
-	std::vector<Branch> m_branches; ///< of nodes
-	std::vector<double> m_states;   ///< [nodes][variables]
-};
-
 class Planning
 {
 public:
 	Planning( const io::RobotModel& robot, const io::Problem& problem, const io::PathConstraints& path, const Task& task,
 	    const Settings& settings )
-	    : m_problem( problem ), m_task( task ), m_settings( settings ), m_is_free( path.empty() ),
-	      m_manifold( robot, problem, path ), m_query( makeQuery( problem.checker.get() ) ),
-	      m_walker( m_manifold, problem, settings.edge, m_query.get() ), m_random( settings.seed )
+	    : m_task( task ), m_settings( settings ), m_is_free( path.empty() ), m_manifold( robot, problem, path ),
+	      m_query( makeQuery( problem.checker.get() ) ), m_walker( m_manifold, problem, settings.edge, m_query.get() ),
+	      m_random( settings.seed ), m_free_path( problem, m_query.get(), m_walker )
 	{
 		require( task.start );
 		for ( const std::vector<double>& goal : task.goals )
@@ -143,7 +70,7 @@ public:
 			if ( m_result.solved() )
 			{
 				m_result.raw_length = lengthOf( path );
-				m_found.count() > 0 ? smooth( path ) : shorten( path );
+				m_free_path.isFound() ? m_free_path.smooth( m_settings, stopOf(), path ) : shorten( path );
 				m_result.length = lengthOf( path );
 				m_result.shortcut_seconds = m_clock.seconds() - m_result.search_seconds;
 				finish( path );
@@ -359,7 +286,7 @@ private:
 		return stop;
 	}
 
-	/// Without constraints: the planner of joint space, whose edges are proved as they are.
+	/// Without constraints: by the planner of joint space.
 	bool searchFreely( std::vector<Piece>& path )
 	{
 		planners::Settings settings;
@@ -372,42 +299,18 @@ private:
 			settings.lower.push_back( lower );
 			settings.upper.push_back( upper );
 		}
+		std::vector<State> goals;
+		for ( std::size_t i = 0; i < m_trees[1].size(); ++i )
+		{
+			goals.push_back( m_trees[1].state( i ) );
+		}
 		try
 		{
-			planners::Planner planner( m_problem.checker, settings );
-			planner.addStart( m_start.data() );
-			for ( std::size_t i = 0; i < m_trees[1].size(); ++i )
-			{
-				planner.addGoal( m_trees[1].state( i ).data() );
-			}
-			const planners::Outcome outcome = planner.solve( m_query.get(), stopOf() );
-			m_result.samples += planner.statistics().samples;
-			m_result.start_nodes += planner.statistics().start_nodes;
-			m_result.goal_nodes += planner.statistics().goal_nodes;
-			if ( outcome == planners::Outcome::FAILED )
-			{
-				leeway::require( planner.failure(), "search of joint space" );
-			}
-			m_found = planner.path();
-			takePath( path );
-			return outcome == planners::Outcome::SOLVED;
+			return m_free_path.find( m_start, goals, settings, stopOf(), m_result, path );
 		}
 		catch ( const planners::InputError& )
 		{
 			return search( path ); // a floating joint, or an end beyond a limit by less than its tolerance
-		}
-	}
-
-	/// The edges of a path, from the start on without jumps by whole turns.
-	void takePath( std::vector<Piece>& path ) const
-	{
-		State before = m_start;
-		path.clear();
-		for ( std::size_t i = 1; i < m_found.count(); ++i )
-		{
-			const State next = m_walker.nearestTurns( before, Eigen::Map<const State>( m_found[i], before.size() ) );
-			path.push_back( straightPiece( before, next ) );
-			before = next;
 		}
 	}
 
@@ -423,18 +326,6 @@ private:
 			path.push_back( *piece );
 		}
 		return path;
-	}
-
-	/// The same of a path without constraints.
-	void smooth( std::vector<Piece>& path )
-	{
-		planners::SmoothSettings settings;
-		settings.edge = m_settings.edge;
-		settings.seed = m_settings.seed;
-		settings.rounds = m_settings.shortcuts > 0 ? settings.rounds : 0;
-		leeway::require(
-		    planners::smooth( m_problem.checker.get(), m_query.get(), settings, stopOf(), m_found ), "smoothing" );
-		takePath( path );
 	}
 
 	/// Motions between random states of the path take the place of longer ones.
@@ -512,7 +403,6 @@ private:
 		m_result.drive_seconds = m_clock.seconds() - begin;
 	}
 
-	const io::Problem& m_problem;
 	const Task& m_task;
 	const Settings& m_settings;
 	const bool m_is_free; ///< there are no constraints
@@ -523,8 +413,8 @@ private:
 	Clock m_clock;
 	State m_start;
 	std::vector<Piece> m_mend;
-	planners::Path m_found; ///< by searchFreely()
-	Tree m_trees[2];        ///< of the start and of the goals
+	FreePath m_free_path;
+	Tree m_trees[2]; ///< of the start and of the goals
 	Result m_result;
 };
 

@@ -96,12 +96,12 @@ static lw_vec3 turn_between( const lw_transform* from, const lw_transform* to )
 
 lw_status lw_region_line( lw_region_def* def, const lw_transform* from, const lw_transform* to )
 {
-	if ( def == NULL || from == NULL || to == NULL || !lw_transform_is_valid( from ) || !lw_transform_is_valid( to ) )
+	lw_transform begin, end;
+	if ( def == NULL || from == NULL || to == NULL || !lwi_pose_given( from, &begin ) || !lwi_pose_given( to, &end ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
-	def->start = lwi_orthonormal( from );
-	const lw_transform end = lwi_orthonormal( to );
+	def->start = begin;
 	def->shift = lwi_sub( lwi_load( to->t ), lwi_load( from->t ) );
 	def->arc = def->center = lwi_v3( 0, 0, 0 );
 	def->turn = turn_between( &def->start, &end );

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "free_path.hpp"
+
+#include "leeway/planners/smooth.hpp"
+
+namespace leeway::manifold
+{
+
+bool FreePath::find( const State& start, const std::vector<State>& goals, const planners::Settings& settings,
+    planners::Stop stop, Result& result, std::vector<Piece>& path )
+{
+	planners::Planner planner( m_problem.checker, settings );
+	planner.addStart( start.data() );
+	for ( const State& goal : goals )
+	{
+		planner.addGoal( goal.data() );
+	}
+	const planners::Outcome outcome = planner.solve( m_query, stop );
+	result.samples += planner.statistics().samples;
+	result.start_nodes += planner.statistics().start_nodes;
+	result.goal_nodes += planner.statistics().goal_nodes;
+	if ( outcome == planners::Outcome::FAILED )
+	{
+		leeway::require( planner.failure(), "search of joint space" );
+	}
+	m_found = planner.path();
+	take( path );
+	return outcome == planners::Outcome::SOLVED;
+}
+
+void FreePath::smooth( const Settings& settings, planners::Stop stop, std::vector<Piece>& path )
+{
+	planners::SmoothSettings by;
+	by.edge = settings.edge;
+	by.seed = settings.seed;
+	by.rounds = settings.shortcuts > 0 ? by.rounds : 0;
+	leeway::require( planners::smooth( m_problem.checker.get(), m_query, by, stop, m_found ), "smoothing" );
+	take( path );
+}
+
+/// The edges of the path, from its start on without jumps by whole turns.
+void FreePath::take( std::vector<Piece>& path ) const
+{
+	path.clear();
+	State before;
+	for ( std::size_t i = 0; i < m_found.count(); ++i )
+	{
+		const State q = Eigen::Map<const State>( m_found[i], static_cast<Eigen::Index>( m_found.dimension ) );
+		const State next = i == 0 ? q : m_walker.nearestTurns( before, q );
+		if ( i > 0 )
+		{
+			path.push_back( straightPiece( before, next ) );
+		}
+		before = next;
+	}
+}
+
+} // namespace leeway::manifold

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One of the two trees of a plan.
+#pragma once
+
+#include "walk.hpp"
+
+#include <algorithm>
+
+namespace leeway::manifold
+{
+
+/// States of one side, and motions between them.
+class Tree
+{
+public:
+	void addRoot( const State& q ) { add( q, size(), {} ); }
+	/// The ends of all pieces of a way. @param from the node where it begins @return the last node
+	std::size_t addWay( std::size_t from, const std::vector<Piece>& way )
+	{
+		std::size_t node = from;
+		for ( const Piece& piece : way )
+		{
+			add( piece.last(), node, piece );
+			node = size() - 1;
+		}
+		return node;
+	}
+	std::size_t size() const { return m_branches.size(); }
+	State state( std::size_t node ) const
+	{
+		const std::size_t count = m_states.size() / size();
+		return Eigen::Map<const State>( m_states.data() + node * count, static_cast<Eigen::Index>( count ) );
+	}
+	/// @param turns [variables] of angles that wrap 2 pi, of others 0
+	std::size_t nearest( const State& turns, const State& q ) const
+	{
+		const Eigen::Index count = q.size();
+		std::size_t best = 0;
+		double least = HUGE_VAL;
+		const double* at = m_states.data();
+		for ( std::size_t i = 0; i < size(); ++i, at += count )
+		{
+			double square = 0;
+			for ( Eigen::Index k = 0; k < count; ++k )
+			{
+				const double way = q[k] - at[k];
+				square += turns[k] > 0 ? std::pow( std::remainder( way, turns[k] ), 2 ) : way * way;
+			}
+			if ( square < least )
+			{
+				least = square;
+				best = i;
+			}
+		}
+		return best;
+	}
+	/// From the root to a node.
+	std::vector<Piece> way( std::size_t node ) const
+	{
+		std::vector<Piece> pieces;
+		for ( ; m_branches[node].parent != node; node = m_branches[node].parent )
+		{
+			pieces.push_back( m_branches[node].piece );
+		}
+		std::reverse( pieces.begin(), pieces.end() );
+		return pieces;
+	}
+
+private:
+	struct Branch
+	{
+		std::size_t parent; ///< itself: a root
+		Piece piece;        ///< from the parent
+	};
+
+	void add( const State& q, std::size_t parent, const Piece& piece )
+	{
+		m_branches.push_back( { parent, piece } );
+		m_states.insert( m_states.end(), q.data(), q.data() + q.size() );
+	}
+
+	std::vector<Branch> m_branches; ///< of nodes
+	std::vector<double> m_states;   ///< [nodes][variables]
+};
+
+} // namespace leeway::manifold
