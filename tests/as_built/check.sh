@@ -51,9 +51,9 @@ report "text relocations" "$( "$readelf" -dW "$shared" | grep TEXTREL || true )"
 
 # ---- imports: this list, and nothing that ends the process or prints ----------------------------------------------------
 # strtol and getenv: LW_CPU_MASK. clock_gettime: the time budget of proofs. fopen, tmpfile, fclose: the stream that qhull wants for
-# its errors, /dev/null where there is one. malloc's kin only in the default allocator. bcmp: clang's form of memcmp() == 0.
+# its errors, /dev/null where there is one. malloc's kin only in the default allocator, and madvise: large pages. bcmp: clang's form of memcmp() == 0.
 allowed='__cxa_finalize __gmon_start__ _ITM_deregisterTMCloneTable _ITM_registerTMCloneTable __stack_chk_fail __cpu_indicator_init
-aligned_alloc bcmp free memcmp memcpy memmove memset qsort snprintf vsnprintf strcmp strlen strncmp strchr strtol __isoc23_strtol getenv
+aligned_alloc madvise bcmp free memcmp memcpy memmove memset qsort snprintf vsnprintf strcmp strlen strncmp strchr strtol __isoc23_strtol getenv
 clock_gettime acos asin atan atan2 cos sin sincos tan exp2 log2 log exp pow floor ceil trunc rint round nearbyint fmod fmax fmaxf fmin fminf
 hypot cbrt ilogb ldexp scalbn frexp logb nextafter nextafterf remainder sqrt sqrtf fabs fma lrint lround copysign
 __memcpy_chk __memset_chk __memmove_chk __snprintf_chk __vsnprintf_chk'

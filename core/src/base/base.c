@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Allocation, failure reports, version. No global state.
-#define _DEFAULT_SOURCE // madvise, posix_memalign
+#define _DEFAULT_SOURCE // madvise
 #include "base/base.h"
 
 #include "leeway/version.h"
@@ -12,37 +12,26 @@
 
 #if defined( __linux__ )
 #include <sys/mman.h>
-
-enum
-{
-	LARGE_PAGE = 1 << 21 ///< bytes
-};
-
-/// Memory in large pages where the kernel gives them on request: a page of 4 kB is looked up for each few blocks of a cloud, or nodes of a large mesh.
-static void* large_alloc( size_t size )
-{
-	void* memory = NULL;
-	if ( posix_memalign( &memory, LARGE_PAGE, size ) != 0 )
-	{
-		return NULL;
-	}
-	(void)madvise( memory, size / LARGE_PAGE * LARGE_PAGE, MADV_HUGEPAGE ); // it may refuse
-	return memory;
-}
 #endif
+
+/// Bytes. Larger pieces begin at a multiple of it, so that the kernel may give pages of this size: small ones cost a look-up for each few blocks of a
+/// cloud, or nodes of a large mesh.
+#define LARGE_PAGE ( (size_t)1 << 21 )
 
 static void* default_alloc( void* user, size_t size, size_t align )
 {
 	(void)user;
-#if defined( __linux__ )
-	if ( size >= LARGE_PAGE )
-	{
-		return large_alloc( size );
-	}
-#endif
+	align = size >= LARGE_PAGE ? LARGE_PAGE : align;
 	// aligned_alloc wants a multiple of the alignment
 	size_t rounded = ( size + align - 1 ) & ~( align - 1 );
-	return rounded < size ? NULL : aligned_alloc( align, rounded > 0 ? rounded : align );
+	void* memory = rounded < size ? NULL : aligned_alloc( align, rounded > 0 ? rounded : align );
+#if defined( __linux__ )
+	if ( memory != NULL && size >= LARGE_PAGE )
+	{
+		(void)madvise( memory, size & ~( LARGE_PAGE - 1 ), MADV_HUGEPAGE ); // it may refuse
+	}
+#endif
+	return memory;
 }
 
 static void default_free( void* user, void* memory, size_t size )

@@ -9,7 +9,7 @@ LW_EXTERN_C_BEGIN
 
 typedef void lwi_task( void* context, uint32_t index );
 
-/// What a definition says of threads. `parallel` may run a task twice, too late or never.
+/// Threads of a definition. `parallel` may run a task twice, too late or never.
 typedef struct lwi_threads
 {
 	void ( *parallel )( void* user, lwi_task* task, void* context, uint32_t count ); ///< NULL: the calling thread runs all

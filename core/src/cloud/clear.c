@@ -322,7 +322,7 @@ static uint32_t count_in_box( const lw_cloud* cloud, const int32_t corner[3], in
 	return count;
 }
 
-/// Lists what can be cleared of a block. @param first voxel of the chunk
+/// Lists a block if one of its voxels may be free. @param first voxel of the chunk
 static void list_block( clearer* c, uint32_t chunk_index, const int32_t first[3], uint32_t b )
 {
 	lw_cloud* cloud = c->cloud;
@@ -398,7 +398,7 @@ static void clear_listed( void* context, uint32_t index )
 	}
 }
 
-/// Clears what is listed, on the user's threads: no two chunks share anything that is written.
+/// Clears the listed blocks on the user's threads. No two tasks write to one chunk.
 static void clear_list_now( clearer* c )
 {
 	clear_list* list = c->list;

@@ -33,7 +33,7 @@ static lw_status make_chunk_shapes( const lw_cloud* cloud, lwi_chunk* chunk, lw_
 	return status;
 }
 
-/// A task. What fails is tried again by make_shapes(), which says why. @param context lw_cloud* @param index of a chunk
+/// A task. make_shapes() tries a failed one again, and says why it fails. @param context lw_cloud* @param index of a chunk
 static void try_chunk_shapes( void* context, uint32_t index )
 {
 	const lw_cloud* cloud = context;
