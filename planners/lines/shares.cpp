@@ -13,10 +13,10 @@ namespace leeway::lines
 namespace
 {
 
-constexpr motions::Descent by_shares = { 1.5, 1.02, 1e-4, 6000 }; // of a width or speed
-constexpr double worth = 0.01;                                    // of the time, by all changes: else the run stays as it is
-constexpr double need_power = 12;                                 // of the mean of needs
-constexpr int places_of_leg = 12;                                 // at which needs are estimated
+constexpr std::size_t most_sweeps = 60; // over all widths and speeds
+constexpr double worth = 0.01;          // of the time, by all changes: else the run stays as it is
+constexpr double need_power = 12;       // of the mean of needs
+constexpr int places_of_leg = 12;       // at which needs are estimated
 constexpr double most_pace = 2.9; // of both speeds of a course, Euclidean: below 3 it goes forward (Fritsch, Carlson, 1980)
 constexpr std::uint32_t least_width = 64;
 
@@ -115,6 +115,7 @@ public:
 			}
 		};
 		const auto cost = [&] { return seconds(); };
+		const motions::Descent by_shares = { 1.5, 1.02, 1e-4, most_sweeps * 2 * ( 2 * count - 1 ) };
 		const double before = cost();
 		return motions::descend(
 		           by_shares, 2 * count - 1, [&]( std::size_t i ) { return valueAt( i ); }, take, cost ) <

@@ -9,6 +9,7 @@ namespace leeway::manifold
 bool FreePath::find( const State& start, const std::vector<State>& goals, const planners::Settings& settings,
     planners::Stop stop, Result& result, std::vector<Piece>& path )
 {
+	m_start = start;
 	planners::Planner planner( m_problem.checker, settings );
 	planner.addStart( start.data() );
 	for ( const State& goal : goals )
@@ -38,19 +39,15 @@ void FreePath::smooth( const Settings& settings, planners::Stop stop, std::vecto
 	take( path );
 }
 
-/// The edges of the path, from its start on without jumps by whole turns.
+/// The edges of the path, from the start on without jumps by whole turns.
 void FreePath::take( std::vector<Piece>& path ) const
 {
+	State before = m_start;
 	path.clear();
-	State before;
-	for ( std::size_t i = 0; i < m_found.count(); ++i )
+	for ( std::size_t i = 1; i < m_found.count(); ++i )
 	{
-		const State q = Eigen::Map<const State>( m_found[i], static_cast<Eigen::Index>( m_found.dimension ) );
-		const State next = i == 0 ? q : m_walker.nearestTurns( before, q );
-		if ( i > 0 )
-		{
-			path.push_back( straightPiece( before, next ) );
-		}
+		const State next = m_walker.nearestTurns( before, Eigen::Map<const State>( m_found[i], before.size() ) );
+		path.push_back( straightPiece( before, next ) );
 		before = next;
 	}
 }

@@ -21,7 +21,7 @@ public:
 	bool find( const State& start, const std::vector<State>& goals, const planners::Settings& settings, planners::Stop stop,
 	    Result& result, std::vector<Piece>& path );
 	bool isFound() const { return m_found.count() > 0; }
-	/// Shortens what was found. @throws CoreError
+	/// Shortens the path. @throws CoreError
 	void smooth( const Settings& settings, planners::Stop stop, std::vector<Piece>& path );
 
 private:
@@ -30,6 +30,7 @@ private:
 	const io::Problem& m_problem;
 	lw_query* m_query;
 	const Walker& m_walker;
+	State m_start;
 	planners::Path m_found;
 };
 

@@ -11,7 +11,8 @@
 
 LW_EXTERN_C_BEGIN
 
-/// Voxels in a box of the world. Calls of one cloud come one at a time, and may use threads of yours (lw_cloud_def::parallel); the shapes in its scenes are immutable and shared.
+/// Voxels in a box of the world. Calls of one cloud come one at a time, and may use threads of yours (lw_cloud_def::parallel); the shapes in its
+/// scenes are immutable and shared.
 typedef struct lw_cloud lw_cloud;
 
 /// Sensors of one cloud are numbered from 0 to this number less one.

@@ -230,14 +230,11 @@ typedef enum answer
 	OPEN ///< the distance of its cell does not tell
 } answer;
 
-/// @param at [out] the point, in the frame of the body
-static answer by_cell( lw_cloud* cloud, const lwi_own_body* body, lw_vec3 point, double at[3] )
+static answer by_cell( lw_cloud* cloud, const lwi_own_body* body, lw_vec3 point )
 {
 	const lwi_body_grid* grid = body->grid;
 	const lw_vec3 p = lwi_untransform( &body->world_from_body, point );
-	at[0] = p.x;
-	at[1] = p.y;
-	at[2] = p.z;
+	const double at[3] = { p.x, p.y, p.z };
 	double center[3], from_sq = 0;
 	size_t place = 0;
 	for ( int k = 2; k >= 0; --k )
@@ -261,22 +258,22 @@ static answer by_cell( lw_cloud* cloud, const lwi_own_body* body, lw_vec3 point,
 	return d - way > cloud->def.shadow ? OFF : d + way <= cloud->def.shadow ? ON : OPEN;
 }
 
-static bool by_distance( lw_cloud* cloud, const lwi_own_body* body, const double at[3] )
+static bool by_distance( lw_cloud* cloud, const lwi_own_body* body, lw_vec3 point )
 {
 	const lw_range range = lw_range_threshold( cloud->def.shadow );
-	return measure( cloud, body->grid->shape, lwi_load( at ), &range ).kind == LW_CLEARANCE_VIOLATION;
+	return measure( cloud, body->grid->shape, lwi_untransform( &body->world_from_body, point ), &range ).kind ==
+		   LW_CLEARANCE_VIOLATION;
 }
 
 bool lwi_own_body_has( lw_cloud* cloud, const lwi_own_body* bodies, const lwi_body_set* which, lw_vec3 point )
 {
 	// a point on a link is mostly in the open cells of its neighbours: no distance is measured before all cells were asked
 	lwi_body_set open = { { 0 } };
-	double at[3];
 	for ( uint32_t w = 0; w < LWI_BODY_WORDS; ++w )
 	{
 		for ( uint64_t left = which->word[w]; left != 0; left &= left - 1 )
 		{
-			const answer found = by_cell( cloud, &bodies[w << 6 | lwi_lowest( left )], point, at );
+			const answer found = by_cell( cloud, &bodies[w << 6 | lwi_lowest( left )], point );
 			if ( found == ON )
 			{
 				return true;
@@ -288,8 +285,7 @@ bool lwi_own_body_has( lw_cloud* cloud, const lwi_own_body* bodies, const lwi_bo
 	{
 		for ( uint64_t left = open.word[w]; left != 0; left &= left - 1 )
 		{
-			const lwi_own_body* body = &bodies[w << 6 | lwi_lowest( left )];
-			if ( by_cell( cloud, body, point, at ) == OPEN && by_distance( cloud, body, at ) )
+			if ( by_distance( cloud, &bodies[w << 6 | lwi_lowest( left )], point ) )
 			{
 				return true;
 			}

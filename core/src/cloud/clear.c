@@ -402,7 +402,7 @@ static void clear_listed( void* context, uint32_t index )
 static void clear_list_now( clearer* c )
 {
 	clear_list* list = c->list;
-	lwi_run_tasks( &c->cloud->threads, &c->cloud->allocator, clear_listed, c, list->chunk_count );
+	lwi_cloud_run( c->cloud, clear_listed, c, list->chunk_count );
 	for ( uint32_t i = 0; i < list->chunk_count; ++i )
 	{
 		c->report->cleared += list->chunks[i].cleared;
@@ -546,20 +546,13 @@ static clearer begin_clear( lw_cloud* cloud, const lwi_view* view, uint32_t stam
 
 bool lwi_cloud_clear_room( lw_cloud* cloud )
 {
-	lwi_array* scratch = &cloud->scratch[3];
-	const bool is_new = scratch->data == NULL,
-			   made = lwi_array_reserve( scratch, &cloud->allocator, 1, sizeof( clear_list ) );
-	if ( made && is_new )
-	{
-		clear_list* list = scratch->data;
-		list->chunk_count = list->block_count = 0;
-	}
-	return made;
+	return lwi_array_reserve( &cloud->scratch[3], &cloud->allocator, 1, sizeof( clear_list ) );
 }
 
 void lwi_cloud_clear_view( lw_cloud* cloud, const lwi_view* view, uint32_t stamp, lw_cloud_report* report )
 {
 	clearer c = begin_clear( cloud, view, stamp, report );
+	c.list->chunk_count = c.list->block_count = 0;
 	if ( !( view->greatest[view->levels - 1][0] > 0 ) )
 	{
 		return; // nothing was measured

@@ -134,7 +134,6 @@ lw_status lw_cloud_create( const lw_cloud_def* def, const lw_allocator* allocato
 	cloud->kernels = lwi_kernels_get( LW_SIMD_BEST );
 	cloud->def = *def;
 	cloud->def.clear_margin = isnan( def->clear_margin ) ? def->resolution : def->clear_margin;
-	cloud->threads = ( lwi_threads ){ def->parallel, def->parallel_user };
 	cloud->inverse = 1 / def->resolution;
 	const double places = lay_out( cloud );
 	if ( places > MOST_PLACES )

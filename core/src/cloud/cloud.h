@@ -81,7 +81,6 @@ struct lw_cloud
 	lw_allocator allocator;
 	const lwi_kernels* kernels;
 	lw_cloud_def def;
-	lwi_threads threads;
 	double inverse;          ///< 1 / resolution
 	int32_t first[3];        ///< voxel with which the table begins, a multiple of LWI_CHUNK_EDGE
 	int32_t low[3], high[3]; ///< voxels of the box, relative to `first`: low <= i < high
@@ -187,6 +186,13 @@ static inline void lwi_table_chunk( const lw_cloud* cloud, size_t place, uint32_
 static inline double lwi_voxel_low( const lw_cloud* cloud, int axis, int32_t voxel )
 {
 	return (double)( cloud->first[axis] + voxel ) * cloud->def.resolution;
+}
+
+/// task( context, i ) for all i below count, on the threads of the definition.
+static inline void lwi_cloud_run( const lw_cloud* cloud, lwi_task* task, void* context, uint32_t count )
+{
+	const lwi_threads threads = { cloud->def.parallel, cloud->def.parallel_user };
+	lwi_run_tasks( &threads, &cloud->allocator, task, context, count );
 }
 
 /// The chunk at a place of the table, made if it is not there. LW_INVALID_INDEX without memory.

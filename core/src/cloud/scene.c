@@ -54,7 +54,7 @@ static lw_status make_shapes( lw_cloud* cloud, lw_diag* diag )
 		cloud->rebuilt += status == LW_OK ? renew( made, &cloud->far_unseen, &cloud->far_changed ) : 0;
 	}
 	const uint32_t count = status == LW_OK ? (uint32_t)cloud->chunks.count : 0;
-	lwi_run_tasks( &cloud->threads, &cloud->allocator, try_chunk_shapes, cloud, count );
+	lwi_cloud_run( cloud, try_chunk_shapes, cloud, count );
 	for ( uint32_t i = 0; i < count && status == LW_OK; ++i )
 	{
 		lwi_chunk* chunk = lwi_chunk_at( cloud, i );

@@ -62,7 +62,7 @@ class Cloud
 {
 public:
 	/// @param threads for the rays of a frame and the shapes of a scene, unless the definition has its own `parallel`: the caller's and those made
-	/// for each call, some 50 microseconds each; 0: one per processor. It changes no result @throws CoreError
+	/// for each call, some 0.1 ms each; 0: one per processor. It changes no result @throws CoreError
 	explicit Cloud( const lw_cloud_def& def, unsigned threads = 1 );
 	~Cloud() { lw_cloud_destroy( m_cloud ); }
 	Cloud( const Cloud& ) = delete;
