@@ -17,7 +17,7 @@ namespace
 
 constexpr int most_rounds = 14, rounds_before_rests = 5;
 constexpr motions::Descent by_shares = { 2, 1.02, 1e-4, 1000 }; // of a piece's share of the time
-constexpr double need_power = 12;                               // of the mean of needs
+constexpr double need_power = 12;                               // of the mean of needs; see Need::power()
 constexpr int share_rounds = 4;                                 // with more states where a piece is not proved
 constexpr double least_part = 0.05;                             // of a change of shares that is not proved as a whole
 constexpr double corner_angle = 0.02;                           // radians between pieces: a smaller one is none
@@ -39,6 +39,43 @@ double unitTime( double s )
 {
 	return 0.5 - std::sin( std::asin( std::clamp( 1 - 2 * s, -1.0, 1.0 ) ) / 3 );
 }
+
+/// Of a cubic's derivatives, in parts of their limits: the first is in seconds^-1, the second in seconds^-2, the third in seconds^-3 for a unit of time.
+class Need
+{
+public:
+	/// Of the cubic between two states with these rates for each unit of u, over a width of u.
+	Need( const State& from, const State& from_rate, const State& to, const State& to_rate, double width,
+	    const motions::MotionLimits& limits )
+	{
+		const double third_width = width / 3;
+		for ( Eigen::Index k = 0; k < from.size(); ++k )
+		{
+			const auto v = static_cast<std::size_t>( k );
+			const double a = third_width * from_rate[k], c = third_width * to_rate[k], b = to[k] - from[k] - a - c;
+			m_first =
+			    std::max( m_first, std::max( { std::fabs( a ), std::fabs( b ), std::fabs( c ) } ) / limits.velocity[v] );
+			m_second = std::max( m_second, std::max( std::fabs( b - a ), std::fabs( c - b ) ) / limits.acceleration[v] );
+			m_third = std::max( m_third, std::fabs( c - 2 * b + a ) / limits.mostJerk( v ) );
+		}
+		m_first *= 3;
+		m_second *= 6;
+		m_third *= 6;
+	}
+	/// The least time that they allow.
+	double seconds() const { return std::max( { m_first, std::sqrt( m_second ), std::cbrt( m_third ) } ); }
+	/// seconds() over a width, to the power of need_power, without roots.
+	double power( double width ) const
+	{
+		const double a = cube( m_first ), b = cube( m_second ), c = m_third * m_third, w = cube( width );
+		return std::max( { a * a * a * a, b * b, c * c } ) / ( w * w * w * w );
+	}
+
+private:
+	static double cube( double x ) { return x * x * x; }
+
+	double m_first = 0, m_second = 0, m_third = 0;
+};
 
 State endRate( const Piece& piece, bool last )
 {
@@ -324,10 +361,9 @@ private:
 		double sum = 0, all = 0;
 		const auto power = [&]( std::size_t i )
 		{
-			const Knot &a = m_knots[first + i], &b = m_knots[first + i + 1];
+			const State &a = m_knots[first + i].q, &b = m_knots[first + i + 1].q;
 			const double width = shares[i];
-			return width * std::pow( needOf( cubicPiece( a.q, width * rates[i], b.q, width * rates[i + 1] ), width, limits ),
-			                   need_power );
+			return width * Need( a, rates[i], b, rates[i + 1], width, limits ).power( width );
 		};
 		for ( std::size_t k = first; k <= last; ++k )
 		{
@@ -374,25 +410,12 @@ private:
 		}
 	}
 
+	/// Seconds for a unit of u that the limits ask for at the piece ahead of a knot.
 	double secondsOf( std::size_t k, const motions::MotionLimits& limits ) const
 	{
-		return needOf( curve( k ), after( k ) - before( k ), limits );
-	}
-
-	/// Seconds for a unit of u that the limits ask for at a piece of this width.
-	static double needOf( const Piece& piece, double width, const motions::MotionLimits& limits )
-	{
-		const std::size_t count = piece.variables();
-		const double *p0 = piece.points.data(), *p1 = p0 + count, *p2 = p1 + count, *p3 = p2 + count;
-		double first = 0, second = 0, third = 0; // of derivatives, in parts of their limits
-		for ( std::size_t v = 0; v < count; ++v )
-		{
-			const double a = p1[v] - p0[v], b = p2[v] - p1[v], c = p3[v] - p2[v];
-			first = std::max( first, std::max( { std::fabs( a ), std::fabs( b ), std::fabs( c ) } ) / limits.velocity[v] );
-			second = std::max( second, std::max( std::fabs( b - a ), std::fabs( c - b ) ) / limits.acceleration[v] );
-			third = std::max( third, std::fabs( c - 2 * b + a ) / limits.mostJerk( v ) );
-		}
-		return std::max( { 3 * first, std::sqrt( 6 * second ), std::cbrt( 6 * third ) } ) / width;
+		const Knot &a = m_knots[k], &b = m_knots[k + 1];
+		const double width = after( k ) - before( k );
+		return Need( a.q, a.rate, b.q, b.rate, width, limits ).seconds() / width;
 	}
 
 	Walker& m_walker;

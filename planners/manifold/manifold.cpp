@@ -2,10 +2,7 @@
 // Newton steps onto constraints (Levenberg 1944; Berenson, Srinivasa, Kuffner, Task Space Regions, IJRR 2011), joints at their limits left out.
 #include "leeway/manifold/manifold.hpp"
 
-#include "ik/chain.hpp"
-
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,22 +13,20 @@ namespace leeway::manifold
 namespace
 {
 
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
 using State = Eigen::VectorXd;
+using Derivatives = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr double thin_half = 0.02;     // metres or radians: half of a thin range is below this
-constexpr double inner_range = 0.9;    // of other ranges
-constexpr double joint_share = 1e-3;   // of a joint's range, and of a joint constraint's, at each of its ends
-constexpr double turn_length = 0.2;    // metres that count as much as a radian
-constexpr double solved_error = 1e-11; // metres, or radians times turn_length
-constexpr double touching = 1e-9;      // metres or radians, of a limit
+constexpr double thin_half = 0.02;   // metres or radians: half of a thin range is below this
+constexpr double inner_range = 0.9;  // of other ranges
+constexpr double joint_share = 1e-3; // of a joint's range, and of a joint constraint's, at each of its ends
+constexpr double turn_length = 0.2;  // metres that count as much as a radian
+constexpr double close_share = 1e-3; // of half a range: an error of a state that is led to it
+constexpr double touching = 1e-9;    // metres or radians, of a limit
 constexpr int most_steps = 40;
 constexpr double longest_change = 0.5; // radians or metres of one joint
 constexpr double least_damping = 1e-14;
 constexpr double step_damping = 1e-9;
 constexpr double poor_damping = 1e-4;
-constexpr double no_derivative = 1e-9; // of Euler angles near a pitch of a quarter turn
 
 /// A coordinate of a pose, and its range.
 struct Row
@@ -39,6 +34,7 @@ struct Row
 	std::size_t pose; ///< constraint
 	int limit;        ///< lw_region_limit: positions and turns
 	double lower, upper, inner_lower, inner_upper;
+	double close; ///< an error that counts as none
 	bool thin;
 
 	bool isPosition() const { return limit <= LW_REGION_Z; }
@@ -50,19 +46,7 @@ Row rowOf( std::size_t pose, int limit, double lower, double upper )
 	const double middle = 0.5 * ( lower + upper ), half = 0.5 * ( upper - lower );
 	const bool thin = half < thin_half;
 	const double inner = thin ? 0 : inner_range * half;
-	return { pose, limit, lower, upper, middle - inner, middle + inner, thin };
-}
-
-/// From the angular velocity in B to the changes of the turns.
-Matrix3d ratesOfTurns( const lw_region_def& def, const lw_region_errors& errors )
-{
-	const Vector3d angles( errors.value[LW_REGION_TURN_X], errors.value[LW_REGION_TURN_Y], errors.value[LW_REGION_TURN_Z] );
-	if ( def.turns_are == LW_TURNS_VECTOR )
-	{
-		return ik::inverseRightJacobian( angles );
-	}
-	const Matrix3d turns = ik::turnsOfEulerXyz( angles );
-	return std::fabs( turns.determinant() ) > no_derivative ? Matrix3d( turns.inverse() ) : Matrix3d( turns.transpose() );
+	return { pose, limit, lower, upper, middle - inner, middle + inner, close_share * half, thin };
 }
 
 } // namespace
@@ -70,22 +54,27 @@ Matrix3d ratesOfTurns( const lw_region_def& def, const lw_region_errors& errors 
 struct Manifold::Parts
 {
 	motions::BoundConstraints constraints;
-	ik::Chain chain;
-	std::vector<ik::ChainFrame> bases, tips; ///< of poses
 	std::vector<Row> rows;
 	State lower, upper;
-	State inner_lower, inner_upper; ///< of projected states: a curve along a limit has no room to bend
-	ik::Twists twists;
+	State inner_lower, inner_upper;       ///< of projected states: a curve along a limit has no room to bend
 	std::vector<lw_region_errors> errors; ///< of poses
+	Derivatives derivatives;              ///< [poses x LW_REGION_LIMITS][variables]
 	State values;                         ///< of rows
-	Eigen::MatrixXd jacobian;             ///< [rows][variables], of the values
+	Derivatives jacobian;                 ///< [rows][variables], of the values
+	// of one step
+	State wanted, weights, change, moved, right, part;
+	std::vector<char> fixed; ///< [variables]
+	Derivatives active;
+	Eigen::MatrixXd normal;
+	Eigen::LDLT<Eigen::MatrixXd> solver;
 
 	Parts( const io::RobotModel& robot, const io::Problem& problem, const io::PathConstraints& path )
-	    : constraints( problem, path ), chain( robot, problem )
+	    : constraints( problem, path )
 	{
-		for ( const ik::Freedom& freedom : chain.freedoms() )
+		for ( const std::uint32_t variable : problem.variables )
 		{
-			if ( freedom.turn >= 0 )
+			const lw_robot* r = problem.robot.get();
+			if ( lw_robot_joint_type( r, lw_robot_variable( r, variable ).joint ) == LW_JOINT_FLOATING )
 			{
 				throw io::Error( robot.urdf_file, "group " + problem.group,
 				    "has a floating joint, which no plan with path_constraints moves", "choose a group without it" );
@@ -96,15 +85,19 @@ struct Manifold::Parts
 		errors.resize( poses.size() );
 		for ( std::size_t i = 0; i < poses.size(); ++i )
 		{
-			const lw_region_def& def = poses[i].def;
-			bases.push_back( chain.add( { def.base_link, def.base_from_a } ) );
-			tips.push_back( chain.add( { def.link, def.link_from_b } ) );
-			poses[i].region ? addRows( i, def ) : void();
+			poses[i].region ? addRows( i, poses[i].def ) : void();
 		}
-		const auto count = static_cast<Eigen::Index>( problem.variables.size() );
-		twists.resize( 6, count );
-		values.resize( static_cast<Eigen::Index>( rows.size() ) );
-		jacobian.resize( static_cast<Eigen::Index>( rows.size() ), count );
+		const auto count = static_cast<Eigen::Index>( problem.variables.size() ),
+		           most = static_cast<Eigen::Index>( rows.size() );
+		derivatives.setZero( static_cast<Eigen::Index>( poses.size() * LW_REGION_LIMITS ), count );
+		for ( State* of_rows : { &values, &wanted, &weights, &right } )
+		{
+			of_rows->setZero( most );
+		}
+		jacobian.setZero( most, count );
+		active.setZero( most, count );
+		normal.setZero( most, most );
+		fixed.resize( problem.variables.size() );
 	}
 
 	void setBounds( const io::Problem& problem, const io::PathConstraints& path )
@@ -163,88 +156,83 @@ struct Manifold::Parts
 		}
 	}
 
-	void measure( const double* q )
+	void measure( const double* q, bool derive )
 	{
 		for ( std::size_t i = 0; i < errors.size(); ++i )
 		{
 			const motions::PoseConstraint& pose = constraints.poses()[i];
-			pose.region ? require( lw_region_state( pose.region.get(), q, 0, &errors[i] ), pose.element.c_str() ) : void();
-		}
-		for ( std::size_t r = 0; r < rows.size(); ++r )
-		{
-			values[static_cast<Eigen::Index>( r )] = errors[rows[r].pose].value[rows[r].limit];
-		}
-	}
-
-	/// After measure( q ).
-	void derive( const double* q )
-	{
-		chain.place( q );
-		std::size_t placed = SIZE_MAX;
-		Eigen::MatrixXd positions, turns;
-		for ( std::size_t r = 0; r < rows.size(); ++r )
-		{
-			const Row& row = rows[r];
-			if ( row.pose != placed )
+			double* const to = derivatives.data() + i * LW_REGION_LIMITS * static_cast<std::size_t>( derivatives.cols() );
+			if ( pose.region )
 			{
-				placed = row.pose;
-				const lw_region_def& def = constraints.poses()[placed].def;
-				const ik::Pose base = chain.pose( bases[placed] ), tip = chain.pose( tips[placed] );
-				twists.setZero();
-				chain.addJacobian( tips[placed], tip.t, 1, twists );
-				chain.addJacobian( bases[placed], tip.t, -1, twists );
-				positions = ( base.r * ik::toPose( def.start ).r ).transpose() * twists.topRows<3>();
-				turns = ratesOfTurns( def, errors[placed] ) * tip.r.transpose() * twists.bottomRows<3>();
+				require( derive ? lw_region_derivatives( pose.region.get(), q, 0, &errors[i], to )
+				                : lw_region_state( pose.region.get(), q, 0, &errors[i] ),
+				    pose.element.c_str() );
 			}
-			const auto i = static_cast<Eigen::Index>( r );
-			jacobian.row( i ) =
-			    row.isPosition() ? positions.row( row.limit - LW_REGION_X ) : turns.row( row.limit - LW_REGION_TURN_X );
+		}
+		for ( std::size_t r = 0; r < rows.size(); ++r )
+		{
+			const auto i = static_cast<Eigen::Index>( r ),
+			           from = static_cast<Eigen::Index>( rows[r].pose * LW_REGION_LIMITS ) + rows[r].limit;
+			values[i] = errors[rows[r].pose].value[rows[r].limit];
+			derive ? static_cast<void>( jacobian.row( i ) = derivatives.row( from ) ) : void();
 		}
 	}
 
-	/// The smallest change of joints that makes these changes of rows; rows of weight 0 and fixed joints are left out.
-	State solved( const State& wanted, const State& weights, const std::vector<bool>& fixed, double damping ) const
+	/// change = moved + the smallest change of joints that makes what is wanted of rows, which `moved` does not; rows of weight 0 and fixed joints are
+	/// left out.
+	void solve( double damping )
 	{
-		Eigen::MatrixXd active = weights.asDiagonal() * jacobian;
-		for ( std::size_t i = 0; i < fixed.size(); ++i )
-		{
-			fixed[i] ? static_cast<void>( active.col( static_cast<Eigen::Index>( i ) ).setZero() ) : void();
-		}
-		Eigen::MatrixXd normal = active * active.transpose();
+		Eigen::Index count = 0;
 		for ( Eigen::Index r = 0; r < weights.size(); ++r )
 		{
-			normal( r, r ) += weights[r] > 0 ? damping : 1;
+			if ( weights[r] > 0 )
+			{
+				active.row( count ) = weights[r] * jacobian.row( r );
+				right[count] = weights[r] * wanted[r] - active.row( count ).dot( moved );
+				++count;
+			}
 		}
-		return active.transpose() * normal.ldlt().solve( weights.cwiseProduct( wanted ) );
+		change = moved;
+		if ( count == 0 )
+		{
+			return;
+		}
+		for ( Eigen::Index i = 0; i < change.size(); ++i )
+		{
+			fixed[static_cast<std::size_t>( i )] ? static_cast<void>( active.col( i ).head( count ).setZero() ) : void();
+		}
+		for ( Eigen::Index r = 0; r < count; ++r )
+		{
+			for ( Eigen::Index k = 0; k <= r; ++k )
+			{
+				normal( r, k ) = normal( k, r ) = active.row( r ).dot( active.row( k ) ) + ( r == k ? damping : 0 );
+			}
+		}
+		solver.compute( normal.topLeftCorner( count, count ) );
+		part = solver.solve( right.head( count ) );
+		change.noalias() += active.topRows( count ).transpose() * part;
 	}
 
-	/// solved(), with joints fixed that would leave their bounds.
-	State solvedWithin(
-	    const State& wanted, const State& weights, const State& q, const State& besides, double damping ) const
+	/// solve() of a change `besides`, with joints fixed that would leave their bounds.
+	void solveWithin( const State& q, const State& besides, double damping )
 	{
-		std::vector<bool> fixed( static_cast<std::size_t>( q.size() ), false );
-		State change;
+		std::fill( fixed.begin(), fixed.end(), 0 );
+		moved = besides;
 		bool again = true;
 		while ( again )
 		{
 			again = false;
-			State rest = wanted, moved = besides;
-			for ( Eigen::Index i = 0; i < q.size(); ++i )
-			{
-				moved[i] = fixed[static_cast<std::size_t>( i )] ? 0 : moved[i];
-			}
-			rest -= jacobian * moved;
-			change = moved + solved( rest, weights, fixed, damping );
+			solve( damping );
 			for ( Eigen::Index i = 0; i < q.size(); ++i )
 			{
 				const bool out = ( change[i] < 0 && q[i] <= inner_lower[i] ) || ( change[i] > 0 && q[i] >= inner_upper[i] );
 				if ( out && !fixed[static_cast<std::size_t>( i )] )
 				{
 					fixed[static_cast<std::size_t>( i )] = again = true;
+					moved[i] = 0;
 				}
 			}
 		}
-		return change;
 	}
 
 	double weightOf( const Row& row ) const { return row.isPosition() ? 1 : turn_length; }
@@ -252,28 +240,29 @@ struct Manifold::Parts
 	bool project( State& q )
 	{
 		q = q.cwiseMax( inner_lower ).cwiseMin( inner_upper );
-		State wanted( values.size() ), weights( values.size() );
 		const State none = State::Zero( q.size() );
 		double before = HUGE_VAL;
 		for ( int step = 0; step < most_steps; ++step )
 		{
-			measure( q.data() );
+			measure( q.data(), true );
+			double square = 0;
+			bool close = true;
 			for ( Eigen::Index r = 0; r < values.size(); ++r )
 			{
 				const Row& row = rows[static_cast<std::size_t>( r )];
 				wanted[r] = -row.error( values[r] );
 				weights[r] = row.thin || wanted[r] != 0 ? weightOf( row ) : 0;
+				square += weights[r] * weights[r] * wanted[r] * wanted[r];
+				close = close && std::fabs( wanted[r] ) <= row.close;
 			}
-			const double error = weights.cwiseProduct( wanted ).norm();
-			if ( !( error > solved_error ) )
+			if ( close )
 			{
-				return error <= solved_error;
+				return true;
 			}
-			derive( q.data() );
-			const double damping = error > before ? poor_damping : least_damping + step_damping * error * error;
-			const State change = solvedWithin( wanted, weights, q, none, damping );
+			const double error = std::sqrt( square );
+			solveWithin( q, none, error > before ? poor_damping : least_damping + step_damping * square );
 			const double largest = change.size() > 0 ? change.cwiseAbs().maxCoeff() : 0;
-			q += largest > longest_change ? State( longest_change / largest * change ) : change;
+			q += ( largest > longest_change ? longest_change / largest : 1 ) * change;
 			q = q.cwiseMax( inner_lower ).cwiseMin( inner_upper );
 			before = error;
 		}
@@ -282,26 +271,25 @@ struct Manifold::Parts
 
 	void makeTangent( const State& q, State& direction )
 	{
-		measure( q.data() );
-		derive( q.data() );
-		State weights( values.size() );
+		measure( q.data(), true );
+		wanted.setZero();
 		for ( Eigen::Index r = 0; r < values.size(); ++r )
 		{
 			weights[r] = rows[static_cast<std::size_t>( r )].thin ? weightOf( rows[static_cast<std::size_t>( r )] ) : 0;
 		}
-		const State still = State::Zero( values.size() ), wish = direction;
-		for ( int round = 0; round < 2; ++round )
+		solveWithin( q, direction, least_damping );
+		bool more = false;
+		for ( Eigen::Index r = 0; r < values.size(); ++r )
 		{
-			direction = solvedWithin( still, weights, q, wish, least_damping );
-			const State rates = jacobian * direction;
-			for ( Eigen::Index r = 0; r < values.size(); ++r )
-			{
-				const Row& row = rows[static_cast<std::size_t>( r )];
-				const bool leaves = ( values[r] >= row.inner_upper - touching && rates[r] > 0 ) ||
-				                    ( values[r] <= row.inner_lower + touching && rates[r] < 0 );
-				weights[r] = row.thin || leaves ? weightOf( row ) : weights[r];
-			}
+			const Row& row = rows[static_cast<std::size_t>( r )];
+			const double rate = row.thin ? 0 : jacobian.row( r ).dot( change );
+			const bool leaves = ( values[r] >= row.inner_upper - 2 * row.close && rate > 0 ) ||
+			                    ( values[r] <= row.inner_lower + 2 * row.close && rate < 0 );
+			weights[r] = leaves ? weightOf( row ) : weights[r];
+			more = more || leaves;
 		}
+		more ? solveWithin( q, direction, least_damping ) : void();
+		direction = change;
 	}
 };
 
@@ -362,7 +350,7 @@ std::vector<std::string> Manifold::violations( const double* q )
 		             off = value - joint.middle - joint.turnsAt( value );
 		add( joint.element, "joint " + joint.joint, joint.middle + off, std::max( off - joint.above, -off - joint.below ) );
 	}
-	m_parts->measure( q );
+	m_parts->measure( q, false );
 	for ( std::size_t r = 0; r < m_parts->rows.size(); ++r )
 	{
 		const Row& row = m_parts->rows[r];
@@ -376,7 +364,7 @@ std::vector<std::string> Manifold::violations( const double* q )
 
 bool Manifold::isInRange( const double* q )
 {
-	m_parts->measure( q );
+	m_parts->measure( q, false );
 	for ( std::size_t r = 0; r < m_parts->rows.size(); ++r )
 	{
 		const double value = m_parts->values[static_cast<Eigen::Index>( r )];
@@ -401,8 +389,7 @@ std::size_t Manifold::thinRows() const
 
 void Manifold::errors( const double* q, double* values, double* jacobian )
 {
-	m_parts->measure( q );
-	jacobian != nullptr ? m_parts->derive( q ) : void();
+	m_parts->measure( q, jacobian != nullptr );
 	for ( std::size_t r = 0; r < rows(); ++r )
 	{
 		const Row& row = m_parts->rows[r];

@@ -28,6 +28,7 @@ constexpr double least_saving = 0.01;   // of a path's length, by a shortcut
 constexpr int mend_tries = 100;         // states that are led to the constraints
 constexpr double mend_spread = 0.3;     // radians or metres about the start
 constexpr std::size_t excluded_tries = 200;
+constexpr std::size_t least_proved_per_failure = 4; // of proofs that waited; else none waits
 
 class Clock
 {
@@ -214,13 +215,35 @@ private:
 		       ( m_settings.stop && m_settings.stop() );
 	}
 
+	/// Most nodes stay leaves: clearances are proved when a path is found, unless too many of these proofs fail, as beside thin walls.
+	bool proofsWait() const { return m_late_failed * least_proved_per_failure <= m_late_proved; }
+
+	/// Proves what waited on the way from the root to a node. Where that fails, all nodes behind leave the tree.
+	bool prove( Tree& tree, std::size_t node )
+	{
+		std::vector<std::size_t> nodes = tree.unproved( node );
+		while ( !nodes.empty() )
+		{
+			Piece& piece = tree.piece( nodes.back() );
+			piece.clear = m_walker.isClear( piece );
+			++( piece.clear ? m_late_proved : m_late_failed );
+			if ( !piece.clear )
+			{
+				tree.cut( nodes.back() );
+				return false;
+			}
+			nodes.pop_back();
+		}
+		return true;
+	}
+
 	/// Grows a tree towards a state. @return true: it is reached. @param node the new one, or that from which nothing was proved
 	bool grow( Tree& tree, const State& to, double most, std::size_t& node )
 	{
 		const std::size_t from = tree.nearest( m_walker.turns(), to );
 		std::vector<Piece> way;
 		const double least = m_result.samples % small_steps == 0 ? least_step : growth_step;
-		const bool reached = m_walker.walk( tree.state( from ), to, { most, least, false }, way );
+		const bool reached = m_walker.walk( tree.state( from ), to, { most, least, false, proofsWait() }, way );
 		node = tree.addWay( from, way );
 		return reached;
 	}
@@ -245,7 +268,9 @@ private:
 		for ( std::size_t goal = 0; goal < m_trees[1].size(); ++goal )
 		{
 			std::vector<Piece> way;
-			if ( m_walker.walk( m_trees[0].state( 0 ), m_trees[1].state( goal ), {}, way ) )
+			if ( m_walker.walk(
+			         m_trees[0].state( 0 ), m_trees[1].state( goal ), { HUGE_VAL, least_step, false, true }, way ) &&
+			     m_walker.proveClear( way ) == way.size() )
 			{
 				path = way;
 				return true;
@@ -257,8 +282,13 @@ private:
 			const std::size_t side = m_trees[0].size() <= m_trees[1].size() ? 0 : 1;
 			Tree &tree = m_trees[side], &other = m_trees[1 - side];
 			const bool near = m_random.unit() < 0.5;
-			State sample = near ? drawn( tree.state( m_random.below( tree.size() ) ), near_samples * m_random.unit() )
-			                    : drawn( m_start, far_limits );
+			const std::size_t about = m_random.below( tree.size() );
+			if ( near && tree.isCut( about ) )
+			{
+				continue;
+			}
+			State sample =
+			    near ? drawn( tree.state( about ), near_samples * m_random.unit() ) : drawn( m_start, far_limits );
 			++m_result.samples;
 			if ( !m_manifold.project( sample.data() ) )
 			{
@@ -268,7 +298,8 @@ private:
 			std::size_t node, met;
 			const std::size_t before = tree.size();
 			grow( tree, sample, range, node );
-			if ( tree.size() > before && grow( other, tree.state( node ), HUGE_VAL, met ) )
+			if ( tree.size() > before && grow( other, tree.state( node ), HUGE_VAL, met ) && prove( tree, node ) &&
+			     prove( other, met ) )
 			{
 				path = side == 0 ? joined( node, met ) : joined( met, node );
 				return true;
@@ -352,7 +383,9 @@ private:
 			t < 1 ? tail.push_back( path[b].part( t, 1 ) ) : void();
 			const double wanted = lengthOf( middle ) - least_saving * lengthOf( path );
 			const double most = wanted - lengthOf( head ) - lengthOf( tail );
-			if ( !( ( end - begin ).norm() < most ) || !m_walker.walk( begin, end, { most, growth_step, true }, way ) )
+			if ( !( ( end - begin ).norm() < most ) ||
+			     !m_walker.walk( begin, end, { most, growth_step, true, true }, way ) ||
+			     m_walker.proveClear( way ) < way.size() )
 			{
 				continue;
 			}
@@ -414,7 +447,8 @@ private:
 	State m_start;
 	std::vector<Piece> m_mend;
 	FreePath m_free_path;
-	Tree m_trees[2]; ///< of the start and of the goals
+	Tree m_trees[2];                                  ///< of the start and of the goals
+	std::size_t m_late_proved = 0, m_late_failed = 0; ///< pieces whose proof waited
 	Result m_result;
 };
 

@@ -54,6 +54,33 @@ public:
 		}
 		return best;
 	}
+	/// Nodes from the root to one whose pieces are not proved to be clear, the last one first.
+	std::vector<std::size_t> unproved( std::size_t node ) const
+	{
+		std::vector<std::size_t> nodes;
+		for ( ; m_branches[node].parent != node; node = m_branches[node].parent )
+		{
+			m_branches[node].piece.clear ? void() : nodes.push_back( node );
+		}
+		return nodes;
+	}
+	/// From the node's parent.
+	Piece& piece( std::size_t node ) { return m_branches[node].piece; }
+	bool isCut( std::size_t node ) const { return m_branches[node].cut; }
+	/// Takes a node from the tree, and all behind it. Parents come before their children; a state that is not a number is nearest to none.
+	void cut( std::size_t node )
+	{
+		const std::size_t count = m_states.size() / size();
+		m_branches[node].cut = true;
+		for ( std::size_t i = node; i < size(); ++i )
+		{
+			m_branches[i].cut = m_branches[i].cut || m_branches[m_branches[i].parent].cut;
+			if ( m_branches[i].cut )
+			{
+				std::fill_n( m_states.begin() + static_cast<std::ptrdiff_t>( i * count ), count, NAN );
+			}
+		}
+	}
 	/// From the root to a node.
 	std::vector<Piece> way( std::size_t node ) const
 	{
@@ -71,6 +98,7 @@ private:
 	{
 		std::size_t parent; ///< itself: a root
 		Piece piece;        ///< from the parent
+		bool cut = false;
 	};
 
 	void add( const State& q, std::size_t parent, const Piece& piece )

@@ -17,16 +17,12 @@ constexpr double least_gain = 0.1; // of a step, towards the end of the walk
 constexpr int most_halvings = 5;   // of a cubic
 constexpr int length_parts = 8;
 constexpr double no_length = 1e-12;
+constexpr double look_width = 0.1; // radians or metres between states that are looked at
+constexpr std::uint32_t most_looks = 31;
 
 } // namespace
 
 // ---- pieces
-
-State Piece::control( std::size_t i ) const
-{
-	const std::size_t count = variables();
-	return Eigen::Map<const State>( points.data() + i * count, static_cast<Eigen::Index>( count ) );
-}
 
 State Piece::at( double t ) const
 {
@@ -53,19 +49,22 @@ Piece Piece::part( double from, double to ) const
 
 double Piece::length() const
 {
-	if ( degree == 1 )
+	if ( m_length < 0 && degree == 1 )
 	{
-		return ( last() - first() ).norm();
+		m_length = ( last() - first() ).norm();
 	}
-	double sum = 0;
-	State before = first();
-	for ( int i = 1; i <= length_parts; ++i )
+	else if ( m_length < 0 )
 	{
-		const State now = at( static_cast<double>( i ) / length_parts );
-		sum += ( now - before ).norm();
-		before = now;
+		m_length = 0;
+		State before = first();
+		for ( int i = 1; i <= length_parts; ++i )
+		{
+			const State now = at( static_cast<double>( i ) / length_parts );
+			m_length += ( now - before ).norm();
+			before = now;
+		}
 	}
-	return sum;
+	return m_length;
 }
 
 void Piece::reverse()
@@ -189,15 +188,59 @@ bool Walker::isClear( const Piece& piece )
 	return clear;
 }
 
-/// Proved pieces from a to b: a straight one, else a cubic along the manifold, else two halves.
-bool Walker::join( const State& a, const State& b, int halvings, std::vector<Piece>& out )
+std::size_t Walker::proveClear( std::vector<Piece>& pieces )
 {
-	const Piece straight = straightPiece( a, b );
+	std::size_t i = 0;
+	while ( i < pieces.size() && ( pieces[i].clear || ( pieces[i].clear = isClear( pieces[i] ) ) ) )
+	{
+		++i;
+	}
+	return i;
+}
+
+/// Looks in lanes at states of a piece, and measures its end. A state that a look leaves open beside the scene is hardly ever free.
+bool Walker::seemsClear( const Piece& piece, bool end_is_free )
+{
+	const double count = std::ceil( ( piece.last() - piece.first() ).norm() / look_width );
+	const auto looks = static_cast<std::uint32_t>( std::clamp( count - 1, 0.0, static_cast<double>( most_looks ) ) );
+	m_states.clear();
+	for ( std::uint32_t i = 1; i <= looks; ++i )
+	{
+		const State q = piece.at( i / ( looks + 1.0 ) );
+		m_states.insert( m_states.end(), q.data(), q.data() + q.size() );
+	}
+	lw_verdict seen[most_looks];
+	lw_check_flags open[most_looks];
+	require( lw_checker_states( m_problem.checker.get(), m_query, m_states.data(), looks, m_edge.flags, m_edge.min_d,
+	             LW_STATES_LANES, seen, open ),
+	    "clearances of states" );
+	m_counts.states += looks;
+	bool good = true;
+	for ( std::uint32_t i = 0; i < looks; ++i )
+	{
+		good = good && ( seen[i] == LW_VERDICT_FREE ||
+		                   ( seen[i] == LW_VERDICT_UNDECIDED && ( open[i] & LW_CHECK_ENVIRONMENT ) == 0 ) );
+	}
+	return good && ( end_is_free || isFree( piece.last() ) );
+}
+
+/// Appends a piece that keeps the constraints, if it is clear or seems so.
+bool Walker::take( Piece& piece, const Reach& reach, bool end_is_free, std::vector<Piece>& out )
+{
+	piece.clear = !reach.proofs_wait && isClear( piece );
+	const bool good = piece.clear || ( reach.proofs_wait && seemsClear( piece, end_is_free ) );
+	good ? out.push_back( piece ) : void();
+	return good;
+}
+
+/// Pieces from a to b that keep the constraints: a straight one, else a cubic along the manifold, else two halves.
+bool Walker::join(
+    const State& a, const State& b, const Reach& reach, bool end_is_free, int halvings, std::vector<Piece>& out )
+{
+	Piece straight = straightPiece( a, b );
 	if ( isKept( straight ) )
 	{
-		const bool clear = isClear( straight );
-		clear ? out.push_back( straight ) : void();
-		return clear;
+		return take( straight, reach, end_is_free, out );
 	}
 	State from = b - a, to = b - a;
 	m_manifold.makeTangent( a.data(), from.data() );
@@ -207,12 +250,10 @@ bool Walker::join( const State& a, const State& b, int halvings, std::vector<Pie
 	{
 		return false;
 	}
-	const Piece bent = cubicPiece( a, chord / from.norm() * from, b, chord / to.norm() * to );
+	Piece bent = cubicPiece( a, chord / from.norm() * from, b, chord / to.norm() * to );
 	if ( isKept( bent ) )
 	{
-		const bool clear = isClear( bent );
-		clear ? out.push_back( bent ) : void();
-		return clear;
+		return take( bent, reach, end_is_free, out );
 	}
 	if ( halvings == most_halvings )
 	{
@@ -222,8 +263,8 @@ bool Walker::join( const State& a, const State& b, int halvings, std::vector<Pie
 	++m_counts.projections;
 	const std::size_t before = out.size();
 	const bool joined = m_manifold.project( middle.data() ) && ( middle - a ).norm() < chord &&
-	                    ( middle - b ).norm() < chord && join( a, middle, halvings + 1, out ) &&
-	                    join( middle, b, halvings + 1, out );
+	                    ( middle - b ).norm() < chord && join( a, middle, reach, false, halvings + 1, out ) &&
+	                    join( middle, b, reach, end_is_free, halvings + 1, out );
 	joined ? void() : out.resize( before );
 	return joined;
 }
@@ -250,27 +291,26 @@ bool Walker::walk( const State& a, const State& b, const Reach& reach, std::vect
 	const State to = nearestTurns( a, b );
 	State q = a;
 	double length = std::min( first_step, reach.most ), left = reach.most;
-	const Piece straight = straightPiece( a, to );
+	Piece straight = straightPiece( a, to );
 	const double gap = ( to - a ).norm();
 	if ( !( gap > no_length ) )
 	{
 		out.push_back( straight );
 		return true;
 	}
-	if ( gap <= reach.most && isProved( straight ) )
+	if ( gap <= reach.most && isKept( straight ) && take( straight, reach, false, out ) )
 	{
-		out.push_back( straight );
 		return true;
 	}
 	while ( left > least_step && !( reach.whole && ( to - q ).norm() > left ) )
 	{
 		const bool near = ( to - q ).norm() <= std::min( length, left );
-		if ( near && join( q, to, 0, out ) )
+		if ( near && join( q, to, reach, false, 0, out ) )
 		{
 			return true;
 		}
 		State next;
-		if ( near || !step( q, to, std::min( length, left ), next ) || !join( q, next, 0, out ) )
+		if ( near || !step( q, to, std::min( length, left ), next ) || !join( q, next, reach, true, 0, out ) )
 		{
 			length = 0.5 * std::min( length, ( to - q ).norm() );
 			if ( length < reach.least )

@@ -15,23 +15,30 @@ namespace leeway::manifold
 
 using State = Eigen::VectorXd;
 
-/// A proved motion: a Bezier curve of the group's variables, of degree 1 or 3. Angles go on without wrapping.
+/// A motion that is proved to keep the constraints: a Bezier curve of the group's variables, of degree 1 or 3. Angles go on without wrapping.
 struct Piece
 {
 	unsigned degree = 1;
+	bool clear = false;         ///< its clearances are proved too; else only some of its states were tested
 	std::vector<double> points; ///< [degree + 1][variables]
 
 	std::size_t variables() const { return points.size() / ( degree + 1 ); }
-	State control( std::size_t i ) const;
+	Eigen::Map<const State> control( std::size_t i ) const
+	{
+		return { points.data() + i * variables(), static_cast<Eigen::Index>( variables() ) };
+	}
 	State first() const { return control( 0 ); }
 	State last() const { return control( degree ); }
 	State at( double t ) const;
 	/// Control points of the part between two parameters.
 	Piece part( double from, double to ) const;
-	/// Length, from a chain of points on it.
+	/// Length, from a chain of points on it; found once.
 	double length() const;
 	void reverse();
 	void shift( const State& by );
+
+private:
+	mutable double m_length = -1; ///< below 0: not known
 };
 
 Piece straightPiece( const State& a, const State& b );
@@ -45,7 +52,7 @@ struct WalkCounts
 {
 	std::uint64_t proofs = 0, proved = 0;  ///< of pieces
 	std::uint64_t bent = 0;                ///< of these proved, cubics
-	std::uint64_t states = 0, queries = 0; ///< tested one by one; by proofs of clearances
+	std::uint64_t states = 0, queries = 0; ///< tested; by proofs of clearances
 	std::uint64_t projections = 0;
 };
 
@@ -57,6 +64,7 @@ struct Reach
 	double most = HUGE_VAL;    ///< length of the way
 	double least = least_step; ///< steps that fail are halved down to this
 	bool whole = false;        ///< ends as soon as the end is farther away than the rest of `most`
+	bool proofs_wait = false;  ///< clearances are looked at in some states only, and proved later
 };
 
 class Walker
@@ -74,6 +82,8 @@ public:
 	bool isProved( const Piece& piece ) { return isKept( piece ) && isClear( piece ); }
 	/// Only clearances.
 	bool isClear( const Piece& piece );
+	/// isClear() of pieces of which it is not known yet. @return the first that is not clear; [pieces] if there is none
+	std::size_t proveClear( std::vector<Piece>& pieces );
 	bool isFree( const State& q );
 	/// b, with wrapping angles in the turns that are nearest to a.
 	State nearestTurns( const State& a, const State& b ) const;
@@ -84,7 +94,9 @@ public:
 private:
 	bool isKept( const Piece& piece );
 	bool isWithin( const Piece& piece ) const;
-	bool join( const State& a, const State& b, int halvings, std::vector<Piece>& out );
+	bool take( Piece& piece, const Reach& reach, bool end_is_free, std::vector<Piece>& out );
+	bool seemsClear( const Piece& piece, bool end_is_free );
+	bool join( const State& a, const State& b, const Reach& reach, bool end_is_free, int halvings, std::vector<Piece>& out );
 	bool step( const State& q, const State& to, double length, State& next );
 
 	Manifold& m_manifold;
@@ -92,6 +104,7 @@ private:
 	const lw_edge_def& m_edge;
 	lw_query* m_query;
 	State m_turns, m_lower, m_upper;
+	std::vector<double> m_states; ///< that are looked at, [count][variables]
 	WalkCounts m_counts;
 };
 

@@ -134,12 +134,41 @@ TEST( ConstrainedPlan, AJointThatWrapsGoesTheLongWay )
 	EXPECT_LT( r.length, 1.5 );
 }
 
-/// A wall between start and goal, and no constraints.
+/// A wall between start and goal.
+std::string wall( double thickness )
+{
+	return "world:\n  collision_objects:\n    - {id: wall, primitives: [{type: box, dimensions: [0.6, " +
+	       std::to_string( thickness ) +
+	       ", 1.2]}], primitive_poses: [{position: [0.6, 0, 0.6], orientation: [0, 0, 0, 1]}]}\n";
+}
+
+/// That wall, and no constraints.
 ManifoldWorld walled( const std::string& wrist = "revolute" )
 {
-	return ManifoldWorld( sevenAxisArm( wrist ),
-	    "world:\n  collision_objects:\n    - {id: wall, primitives: [{type: box, dimensions: [0.6, 0.04, 1.2]}], "
-	    "primitive_poses: [{position: [0.6, 0, 0.6], orientation: [0, 0, 0, 1]}]}\n" );
+	return ManifoldWorld( sevenAxisArm( wrist ), wall( 0.04 ) );
+}
+
+TEST( ConstrainedPlan, AThinWallBetweenStatesIsPassed )
+{
+	// A hand of 4 mm and a wall of 1 mm: of states 0.1 rad apart nearly all are on one side of it
+	std::string arm = sevenAxisArm();
+	const std::string ball = "radius='0.02'";
+	ASSERT_NE( std::string::npos, arm.find( ball ) );
+	arm.replace( arm.find( ball ), ball.size(), "radius='0.002'" );
+	for ( std::uint64_t seed = 1; seed <= 5; ++seed )
+	{
+		ManifoldWorld world( arm, wall( 0.001 ) );
+		const Vector start = { -0.9, 1.2, 0, -0.3, 0, 0.3, 0 };
+		world.keepPlace( "hand", start, { 4, 4, 2e-3 } );
+		const lw_transform level = lw_transform_identity();
+		lw_transform& box = world.path.positions[0].regions[0].pose;
+		std::copy_n( &level.r[0][0], 9, &box.r[0][0] ); // the first joint alone would keep the height
+		planBetween( world, start, { 0.9, 1.2, 0, -0.3, 0, 0.3, 0 } );
+		world.settings.seed = seed;
+		const manifold::Result r = world.plan();
+		world.expectKept( r );
+		EXPECT_LT( r.start_nodes + r.goal_nodes, 600u ) << "trees grow behind the wall again and again";
+	}
 }
 
 TEST( FreePlan, AWallIsPassedThrough )

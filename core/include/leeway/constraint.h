@@ -96,6 +96,15 @@ typedef struct lw_region_errors
 /// Cost: one transform product for each moving joint between the frames.
 LW_API lw_status lw_region_state( lw_region* region, const double* q, double fraction, lw_region_errors* out );
 
+/// lw_region_state() with derivatives, for Newton steps onto a region, tangents and optimisers.
+///
+/// @param jacobian [LW_REGION_LIMITS][lw_checker_variable_count()] of `value` by the variables, metres and radians for each radian or metre; of a
+/// floating joint by the entries of its quaternion. Rows are 0 where an error has no derivative: of the angle and the tilt at 0 and at half a turn,
+/// of x-y-z turns at a gimbal lock, within 1e-9.
+/// @return as lw_region_state(); then *jacobian is unchanged
+LW_API lw_status lw_region_derivatives( lw_region* region, const double* q, double fraction, lw_region_errors* out,
+	double* jacobian );
+
 typedef struct lw_region_result
 {
 	/// FREE: proved for every time of the interval and for all motions that lags and tolerances allow: no error is beyond its limit.

@@ -220,13 +220,55 @@ static inline void turn_about_z( lw_transform* m, lwi_sincos by )
 	m->t[1] = by.s * x + by.c * y;
 }
 
-bool lwi_chain_pose( const lwi_chain* chain, const double* values, lw_transform* out, double* arms )
+/// The velocity of the tip, by those of the frame that it is seen in.
+static void add_twist( lwi_twist* to, const lw_transform* tip, double sign, lw_vec3 shift, lw_vec3 turn )
+{
+	const lw_vec3 moved = lwi_add( shift, lwi_cross( turn, lwi_load( tip->t ) ) );
+	to->shift = lwi_add_scaled( to->shift, sign, lwi_unrotate( tip, moved ) );
+	to->turn = lwi_add_scaled( to->turn, sign, lwi_unrotate( tip, turn ) );
+}
+
+/// Angular velocities by the entries x, y, z, w of a quaternion of any length: 2 / |q|^2 (w v' - w' v - v x v') along the axes that it turns.
+/// Its inverse turns by the opposite of 2 / |q|^2 (w v' - w' v + v x v').
+static void add_twists_of_quaternion( const lwi_chain_part* part, const double* q, const lw_transform* tip, lwi_twist* to )
+{
+	const lw_vec3 v = lwi_load( q ), none = lwi_v3( 0, 0, 0 );
+	const double sign = part->multiplier > 0 ? 1 : -1, scale = 2 * sign / ( lwi_length_sq( v ) + q[3] * q[3] );
+	for ( int i = 0; i < 3; ++i )
+	{
+		const lw_vec3 unit = lwi_v3( i == 0, i == 1, i == 2 );
+		add_twist( &to[i], tip, scale, none, lwi_add_scaled( lwi_scale( q[3], unit ), -sign, lwi_cross( v, unit ) ) );
+	}
+	add_twist( &to[3], tip, -scale, none, v );
+}
+
+static void add_twists( const lwi_chain_part* part, const double* values, const lw_transform* tip, lwi_twist* twists )
+{
+	const lw_vec3 z = lwi_v3( 0, 0, 1 ), none = lwi_v3( 0, 0, 0 );
+	if ( part->motion == LWI_CHAIN_QUATERNION )
+	{
+		add_twists_of_quaternion( part, values + part->variable, tip, twists + part->variable );
+		return;
+	}
+	const bool turns = part->motion == LWI_CHAIN_TURN;
+	add_twist( &twists[part->variable], tip, part->multiplier, turns ? none : z, turns ? z : none );
+}
+
+bool lwi_chain_pose( const lwi_chain* chain, const double* values, lw_transform* out, double* arms, lwi_twist* twists )
 {
 	lw_transform m = chain->tip;
+	if ( twists != NULL )
+	{
+		memset( twists, 0, chain->variable_count * sizeof( *twists ) );
+	}
 	for ( uint32_t i = chain->part_count; i > 0; --i )
 	{
 		const lwi_chain_part* part = &chain->parts[i - 1];
 		const double value = part->multiplier * values[part->variable] + part->offset;
+		if ( twists != NULL )
+		{
+			add_twists( part, values, &m, twists );
+		}
 		if ( part->motion == LWI_CHAIN_TURN )
 		{
 			if ( arms != NULL )

@@ -55,10 +55,17 @@ uint32_t lwi_chain_most_parts( const lw_robot* robot, uint32_t base_link, uint32
 void lwi_chain_fill( lwi_chain* chain, const lwi_checker_base* base, uint32_t base_link, const lw_transform* base_from_a,
 	uint32_t link, const lw_transform* link_from_b );
 
+/// How the tip moves while a variable changes by 1: of its origin and of its axes, along these axes.
+typedef struct lwi_twist
+{
+	lw_vec3 shift, turn;
+} lwi_twist;
+
 /// The pose of the tip. @param values [variable_count]
 /// @param arms [part_count] raised to the distance of the tip's origin from the axis of each turn; nullable
+/// @param twists [variable_count] set; nullable
 /// @return false for a zero quaternion
-bool lwi_chain_pose( const lwi_chain* chain, const double* values, lw_transform* out, double* arms );
+bool lwi_chain_pose( const lwi_chain* chain, const double* values, lw_transform* out, double* arms, lwi_twist* twists );
 
 /// Motion of the variables of a chain in a window.
 typedef struct lwi_chain_variables

@@ -215,6 +215,7 @@ static size_t lay_out( const lw_checker* checker, uint32_t parts, lw_region* blo
 	r->tolerance = lwi_arena_take( &arena, count, sizeof( double ) );
 	r->values = lwi_arena_take( &arena, LWI_NODES * count, sizeof( double ) );
 	r->arms = lwi_arena_take( &arena, count, sizeof( double ) );
+	r->twists = lwi_arena_take( &arena, count, sizeof( lwi_twist ) );
 	r->entries = lwi_arena_take( &arena, checker->base->group.variable_count, sizeof( double ) );
 	return arena.used;
 }
@@ -297,12 +298,12 @@ void lw_region_destroy( lw_region* region )
 
 // ---- states ----------------------------------------------------------------------------------------------------------
 
-bool lwi_region_deviation( const lw_region* region, const double* values, double fraction, double* arms, lw_transform* pose,
-	lwi_deviation* out )
+bool lwi_region_deviation( const lw_region* region, const double* values, double fraction, double* arms, lwi_twist* twists,
+	lw_transform* pose, lwi_deviation* out )
 {
 	const lw_region_def* d = &region->def;
 	lw_transform b;
-	if ( !lwi_chain_pose( &region->chain, values, &b, arms ) )
+	if ( !lwi_chain_pose( &region->chain, values, &b, arms, twists ) )
 	{
 		return false;
 	}
@@ -408,7 +409,8 @@ double lwi_region_excess( const lw_region* region, lw_region_limit limit, double
 	return -INFINITY;
 }
 
-lw_status lw_region_state( lw_region* region, const double* q, double fraction, lw_region_errors* out )
+lw_status lwi_region_errors( lw_region* region, const double* q, double fraction, lwi_twist* twists,
+	lwi_deviation* deviation, lw_region_errors* out )
 {
 	const uint32_t count = region != NULL ? region->checker->base->group.variable_count : 0;
 	if ( region == NULL || out == NULL || ( q == NULL && count > 0 ) || !isfinite( fraction ) )
@@ -423,14 +425,13 @@ lw_status lw_region_state( lw_region* region, const double* q, double fraction, 
 			return LW_ERROR_INVALID_ARGUMENT;
 		}
 	}
-	lwi_deviation deviation;
 	const lwi_deviation_rounding rounding = { 0, 0 };
 	double error[LW_REGION_LIMITS];
-	if ( !lwi_region_deviation( region, region->values, fraction, NULL, &out->pose, &deviation ) )
+	if ( !lwi_region_deviation( region, region->values, fraction, NULL, twists, &out->pose, deviation ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
-	lwi_region_values( region, &deviation, &rounding, out->value, error );
+	lwi_region_values( region, deviation, &rounding, out->value, error );
 	out->worst = LW_REGION_X;
 	for ( int i = 0; i < LW_REGION_LIMITS; ++i )
 	{
@@ -438,4 +439,10 @@ lw_status lw_region_state( lw_region* region, const double* q, double fraction, 
 		out->worst = out->excess[i] > out->excess[out->worst] ? (lw_region_limit)i : out->worst;
 	}
 	return LW_OK;
+}
+
+lw_status lw_region_state( lw_region* region, const double* q, double fraction, lw_region_errors* out )
+{
+	lwi_deviation deviation;
+	return lwi_region_errors( region, q, fraction, NULL, &deviation, out );
 }

@@ -60,15 +60,20 @@ struct lw_region
 	lwi_window_variable* variables;
 	lwi_rates* rates;
 	double *size, *rounding, *tolerance;
-	double* values;  ///< [LWI_NODES][variable_count + 1]
-	double* arms;    ///< [part_count]
-	double* entries; ///< [group variables] of states, and scratch of checks
+	double* values;    ///< [LWI_NODES][variable_count + 1]
+	double* arms;      ///< [part_count]
+	lwi_twist* twists; ///< [variable_count]
+	double* entries;   ///< [group variables] of states, and scratch of checks
 };
 
-/// The deviation at a state. @param values [variable_count] of the chain @param pose, arms nullable
+/// The deviation at a state. @param values [variable_count] of the chain @param arms, twists, pose nullable
 /// @return false for a zero quaternion
-bool lwi_region_deviation( const lw_region* region, const double* values, double fraction, double* arms, lw_transform* pose,
-	lwi_deviation* out );
+bool lwi_region_deviation( const lw_region* region, const double* values, double fraction, double* arms, lwi_twist* twists,
+	lw_transform* pose, lwi_deviation* out );
+
+/// lw_region_state(). @param twists [variable_count] of the chain, nullable
+lw_status lwi_region_errors( lw_region* region, const double* q, double fraction, lwi_twist* twists,
+	lwi_deviation* deviation, lw_region_errors* out );
 
 /// Values of the limited errors at a deviation, and by how much each may be off.
 void lwi_region_values( const lw_region* region, const lwi_deviation* of, const lwi_deviation_rounding* rounding,

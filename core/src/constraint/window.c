@@ -258,7 +258,7 @@ bool lwi_window_bound( lw_region* region, lwi_deviation nodes[LWI_NODES], lwi_de
 	for ( int node = 0; node < LWI_NODES; ++node )
 	{
 		const double* values = region->values + (size_t)node * ( count + 1 );
-		if ( !lwi_region_deviation( region, values, values[count], region->arms, NULL, &nodes[node] ) )
+		if ( !lwi_region_deviation( region, values, values[count], region->arms, NULL, NULL, &nodes[node] ) )
 		{
 			return false;
 		}

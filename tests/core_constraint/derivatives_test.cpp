@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Derivatives of a region's errors at random states of random robots, against differences of the errors in long double.
+#include "region_bench.hpp"
+#include "region_oracle.hpp"
+
+namespace
+{
+
+lw_vec3 randomVector( SeededRng& rng, double size )
+{
+	return { rng.uniform( -size, size ), rng.uniform( -size, size ), rng.uniform( -size, size ) };
+}
+
+lw_region_def randomRegion( SeededRng& rng, const lw_robot* robot )
+{
+	const int links = static_cast<int>( lw_robot_link_count( robot ) );
+	lw_region_def def = lw_region_def_default();
+	def.base_link = rng.integer( 0, 1 ) ? LW_INVALID_INDEX : static_cast<std::uint32_t>( rng.integer( 0, links - 1 ) );
+	def.link = static_cast<std::uint32_t>( rng.integer( 0, links - 1 ) );
+	def.base_from_a = randomTransform( rng, 0.3 );
+	def.link_from_b = randomTransform( rng, 0.3 );
+	def.start = randomTransform( rng, 0.5 );
+	def.shift = randomVector( rng, 0.3 );
+	def.arc = randomVector( rng, 1 );
+	def.center = randomVector( rng, 1 );
+	def.turn = randomVector( rng, 1 );
+	def.axis = randomVector( rng, 1 );
+	def.turns_are = rng.integer( 0, 1 ) ? LW_TURNS_XYZ : LW_TURNS_VECTOR;
+	def.angle = 1;
+	return def;
+}
+
+/// Of the errors by one variable, by four states (Fornberg 1988). @param largest of the errors' changes: two readings of one turn lie far apart
+Errors differenceOf(
+    const RobotModel& model, const lw_robot* robot, const lw_region_def& def, State q, std::size_t variable, Errors& jumps )
+{
+	const double h = 0x1p-10; // with room for long double's last bits; the rest is of fourth order
+	Errors e[5];
+	const double at = q[variable];
+	for ( int k = -2; k <= 2; ++k )
+	{
+		q[variable] = at + k * h;
+		e[k + 2] = errorsAt( model, robot, def, q, 0.3L );
+	}
+	Errors d;
+	for ( std::size_t i = 0; i < d.size(); ++i )
+	{
+		d[i] = ( e[0][i] - 8 * e[1][i] + 8 * e[3][i] - e[4][i] ) / ( 12 * h );
+		jumps[i] = std::max( jumps[i], std::fabs( e[4][i] - e[0][i] ) );
+	}
+	return d;
+}
+
+/// How fast derivatives may change: none is compared near places without one.
+bool isSmooth( const lw_region_def& def, const Errors& e, std::size_t limit )
+{
+	const long double pitch = def.turns_are == LW_TURNS_XYZ ? std::cos( e[LW_REGION_TURN_Y] ) : 1;
+	const bool angular = limit == LW_REGION_ANGLE || limit == LW_REGION_TILT;
+	return limit < 3 || ( angular ? e[limit] > 0.1 && e[limit] < 3
+	                              : pitch > 0.2 && ( def.turns_are == LW_TURNS_XYZ || e[LW_REGION_ANGLE] < 2.9 ) );
+}
+
+} // namespace
+
+TEST( RegionDerivatives, AreNotThoseOfTheErrors )
+{
+	SeededRng rng;
+	int compared = 0, floating = 0;
+	for ( int round = 0; round < 400; ++round )
+	{
+		RandomRobotOptions options;
+		options.joints = rng.integer( 1, 9 );
+		options.bareShare = 1.1;
+		const RobotModel model = randomRobot( rng, options );
+		const RobotPtr robot = model.create();
+		const std::uint32_t count = lw_robot_variable_count( robot.get() );
+		if ( count == 0 )
+		{
+			continue;
+		}
+		const RegionBench bench( robot.get() );
+		const lw_region_def def = randomRegion( rng, robot.get() );
+		const RegionPtr region = bench.region( def );
+		const State q = randomState( rng, robot.get(), 0.1 );
+		lw_region_errors e, plain;
+		std::vector<double> jacobian( LW_REGION_LIMITS * count, 17 );
+		ASSERT_EQ( LW_OK, lw_region_state( region.get(), q.data(), 0.3, &plain ) );
+		ASSERT_EQ( LW_OK, lw_region_derivatives( region.get(), q.data(), 0.3, &e, jacobian.data() ) );
+		const Errors exact = errorsAt( model, robot.get(), def, q, 0.3L );
+		for ( std::uint32_t v = 0; v < count; ++v )
+		{
+			Errors jumps = {};
+			const Errors d = differenceOf( model, robot.get(), def, q, v, jumps );
+			for ( std::size_t i = 0; i < d.size(); ++i )
+			{
+				ASSERT_EQ( plain.value[i], e.value[i] );
+				if ( isSmooth( def, exact, i ) && jumps[i] < 1 )
+				{
+					ASSERT_NEAR( static_cast<double>( d[i] ), jacobian[i * count + v], 1e-6 )
+					    << lw_region_limit_name( static_cast<lw_region_limit>( i ) ) << " by variable " << v << ", round "
+					    << round;
+					++compared;
+				}
+			}
+			const lw_variable_info info = lw_robot_variable( robot.get(), v );
+			floating += lw_robot_joint_type( robot.get(), info.joint ) == LW_JOINT_FLOATING && info.component >= 3;
+		}
+	}
+	EXPECT_GT( compared, 5000 );
+	EXPECT_GT( floating, 20 );
+}
+
+TEST( RegionDerivatives, ARowWithoutOneIsNotZero )
+{
+	SeededRng rng;
+	RandomRobotOptions options;
+	options.joints = 3;
+	options.bareShare = 1.1;
+	const RobotModel model = randomRobot( rng, options );
+	const RobotPtr robot = model.create();
+	const RegionBench bench( robot.get() );
+	lw_region_def def = lw_region_def_default(); // of one link in itself: angle and tilt are 0
+	def.link = def.base_link = 0;
+	def.angle = 1;
+	const RegionPtr region = bench.region( def );
+	const State q = randomState( rng, robot.get(), 0.1 );
+	std::vector<double> jacobian( LW_REGION_LIMITS * q.size() + 1, 17 );
+	lw_region_errors e;
+	ASSERT_EQ( LW_OK, lw_region_derivatives( region.get(), q.data(), 0, &e, jacobian.data() ) );
+	for ( std::size_t i = 0; i < LW_REGION_LIMITS * q.size(); ++i )
+	{
+		EXPECT_EQ( 0, jacobian[i] );
+	}
+	EXPECT_EQ( 17, jacobian.back() ) << "written beyond the end";
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_region_derivatives( region.get(), q.data(), NAN, &e, jacobian.data() ) );
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_region_derivatives( region.get(), q.data(), 0, &e, nullptr ) );
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_region_derivatives( nullptr, q.data(), 0, &e, jacobian.data() ) );
+}
