@@ -215,7 +215,7 @@ private:
 		       ( m_settings.stop && m_settings.stop() );
 	}
 
-	/// Most nodes stay leaves: clearances are proved when a path is found, unless too many of these proofs fail, as beside thin walls.
+	/// Most nodes end on no path: pieces are found and proved when the trees meet, unless too many of these proofs fail, as beside thin walls.
 	bool proofsWait() const { return m_late_failed * least_proved_per_failure <= m_late_proved; }
 
 	/// Proves what waited on the way from the root to a node. Where that fails, all nodes behind leave the tree.
@@ -224,10 +224,9 @@ private:
 		std::vector<std::size_t> nodes = tree.unproved( node );
 		while ( !nodes.empty() )
 		{
-			Piece& piece = tree.piece( nodes.back() );
-			piece.clear = m_walker.isClear( piece );
-			++( piece.clear ? m_late_proved : m_late_failed );
-			if ( !piece.clear )
+			const bool proved = m_walker.prove( tree.pieces( nodes.back() ) );
+			++( proved ? m_late_proved : m_late_failed );
+			if ( !proved )
 			{
 				tree.cut( nodes.back() );
 				return false;
@@ -270,7 +269,7 @@ private:
 			std::vector<Piece> way;
 			if ( m_walker.walk(
 			         m_trees[0].state( 0 ), m_trees[1].state( goal ), { HUGE_VAL, least_step, false, true }, way ) &&
-			     m_walker.proveClear( way ) == way.size() )
+			     m_walker.prove( way ) )
 			{
 				path = way;
 				return true;
@@ -384,8 +383,7 @@ private:
 			const double wanted = lengthOf( middle ) - least_saving * lengthOf( path );
 			const double most = wanted - lengthOf( head ) - lengthOf( tail );
 			if ( !( ( end - begin ).norm() < most ) ||
-			     !m_walker.walk( begin, end, { most, growth_step, true, true }, way ) ||
-			     m_walker.proveClear( way ) < way.size() )
+			     !m_walker.walk( begin, end, { most, growth_step, true, true }, way ) || !m_walker.prove( way ) )
 			{
 				continue;
 			}

@@ -5,6 +5,7 @@
 #include "walk.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace leeway::manifold
 {
@@ -20,7 +21,7 @@ public:
 		std::size_t node = from;
 		for ( const Piece& piece : way )
 		{
-			add( piece.last(), node, piece );
+			add( piece.last(), node, { piece } );
 			node = size() - 1;
 		}
 		return node;
@@ -54,18 +55,18 @@ public:
 		}
 		return best;
 	}
-	/// Nodes from the root to one whose pieces are not proved to be clear, the last one first.
+	/// Nodes from the root to one that have chords in place of proved pieces, the last one first.
 	std::vector<std::size_t> unproved( std::size_t node ) const
 	{
 		std::vector<std::size_t> nodes;
 		for ( ; m_branches[node].parent != node; node = m_branches[node].parent )
 		{
-			m_branches[node].piece.clear ? void() : nodes.push_back( node );
+			isProved( node ) ? void() : nodes.push_back( node );
 		}
 		return nodes;
 	}
 	/// From the node's parent.
-	Piece& piece( std::size_t node ) { return m_branches[node].piece; }
+	std::vector<Piece>& pieces( std::size_t node ) { return m_branches[node].pieces; }
 	bool isCut( std::size_t node ) const { return m_branches[node].cut; }
 	/// Takes a node from the tree, and all behind it. Parents come before their children; a state that is not a number is nearest to none.
 	void cut( std::size_t node )
@@ -87,7 +88,8 @@ public:
 		std::vector<Piece> pieces;
 		for ( ; m_branches[node].parent != node; node = m_branches[node].parent )
 		{
-			pieces.push_back( m_branches[node].piece );
+			const std::vector<Piece>& last = m_branches[node].pieces;
+			pieces.insert( pieces.end(), last.rbegin(), last.rend() );
 		}
 		std::reverse( pieces.begin(), pieces.end() );
 		return pieces;
@@ -96,14 +98,20 @@ public:
 private:
 	struct Branch
 	{
-		std::size_t parent; ///< itself: a root
-		Piece piece;        ///< from the parent
+		std::size_t parent;        ///< itself: a root
+		std::vector<Piece> pieces; ///< from the parent
 		bool cut = false;
 	};
 
-	void add( const State& q, std::size_t parent, const Piece& piece )
+	bool isProved( std::size_t node ) const
 	{
-		m_branches.push_back( { parent, piece } );
+		const std::vector<Piece>& pieces = m_branches[node].pieces;
+		return std::all_of( pieces.begin(), pieces.end(), []( const Piece& piece ) { return piece.proved; } );
+	}
+
+	void add( const State& q, std::size_t parent, std::vector<Piece> pieces )
+	{
+		m_branches.push_back( { parent, std::move( pieces ) } );
 		m_states.insert( m_states.end(), q.data(), q.data() + q.size() );
 	}
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace leeway::manifold
 {
@@ -17,7 +18,8 @@ constexpr double least_gain = 0.1; // of a step, towards the end of the walk
 constexpr int most_halvings = 5;   // of a cubic
 constexpr int length_parts = 8;
 constexpr double no_length = 1e-12;
-constexpr double look_width = 0.1; // radians or metres between states that are looked at
+constexpr double least_along = 0.7; // of a chord, along the constraints at its begin
+constexpr double look_width = 0.1;  // radians or metres between states that are looked at
 constexpr std::uint32_t most_looks = 31;
 
 } // namespace
@@ -188,25 +190,15 @@ bool Walker::isClear( const Piece& piece )
 	return clear;
 }
 
-std::size_t Walker::proveClear( std::vector<Piece>& pieces )
+/// Looks in lanes at states of a chord, and measures its end. A state that a look leaves open beside the scene is hardly ever free.
+bool Walker::seemsClear( const Piece& chord, bool end_is_free )
 {
-	std::size_t i = 0;
-	while ( i < pieces.size() && ( pieces[i].clear || ( pieces[i].clear = isClear( pieces[i] ) ) ) )
-	{
-		++i;
-	}
-	return i;
-}
-
-/// Looks in lanes at states of a piece, and measures its end. A state that a look leaves open beside the scene is hardly ever free.
-bool Walker::seemsClear( const Piece& piece, bool end_is_free )
-{
-	const double count = std::ceil( ( piece.last() - piece.first() ).norm() / look_width );
+	const double count = std::ceil( chord.length() / look_width );
 	const auto looks = static_cast<std::uint32_t>( std::clamp( count - 1, 0.0, static_cast<double>( most_looks ) ) );
 	m_states.clear();
 	for ( std::uint32_t i = 1; i <= looks; ++i )
 	{
-		const State q = piece.at( i / ( looks + 1.0 ) );
+		const State q = chord.at( i / ( looks + 1.0 ) );
 		m_states.insert( m_states.end(), q.data(), q.data() + q.size() );
 	}
 	lw_verdict seen[most_looks];
@@ -221,26 +213,33 @@ bool Walker::seemsClear( const Piece& piece, bool end_is_free )
 		good = good && ( seen[i] == LW_VERDICT_FREE ||
 		                   ( seen[i] == LW_VERDICT_UNDECIDED && ( open[i] & LW_CHECK_ENVIRONMENT ) == 0 ) );
 	}
-	return good && ( end_is_free || isFree( piece.last() ) );
+	return good && ( end_is_free || isFree( chord.last() ) );
 }
 
-/// Appends a piece that keeps the constraints, if it is clear or seems so.
-bool Walker::take( Piece& piece, const Reach& reach, bool end_is_free, std::vector<Piece>& out )
+/// Does the chord between two states of the constraints lead along them? Else they are on different parts.
+bool Walker::leadsAlong( const State& a, const State& b )
 {
-	piece.clear = !reach.proofs_wait && isClear( piece );
-	const bool good = piece.clear || ( reach.proofs_wait && seemsClear( piece, end_is_free ) );
-	good ? out.push_back( piece ) : void();
-	return good;
+	State along = b - a;
+	const double chord = along.norm();
+	m_manifold.makeTangent( a.data(), along.data() );
+	return along.norm() > least_along * chord;
 }
 
-/// Pieces from a to b that keep the constraints: a straight one, else a cubic along the manifold, else two halves.
-bool Walker::join(
-    const State& a, const State& b, const Reach& reach, bool end_is_free, int halvings, std::vector<Piece>& out )
+/// Appends a piece that keeps the constraints, if it is clear.
+bool Walker::take( Piece& piece, std::vector<Piece>& out )
+{
+	piece.proved = isClear( piece );
+	piece.proved ? out.push_back( piece ) : void();
+	return piece.proved;
+}
+
+/// Proved pieces from a to b: a straight one, else a cubic along the manifold, else two halves.
+bool Walker::join( const State& a, const State& b, int halvings, std::vector<Piece>& out )
 {
 	Piece straight = straightPiece( a, b );
 	if ( isKept( straight ) )
 	{
-		return take( straight, reach, end_is_free, out );
+		return take( straight, out );
 	}
 	State from = b - a, to = b - a;
 	m_manifold.makeTangent( a.data(), from.data() );
@@ -253,7 +252,7 @@ bool Walker::join(
 	Piece bent = cubicPiece( a, chord / from.norm() * from, b, chord / to.norm() * to );
 	if ( isKept( bent ) )
 	{
-		return take( bent, reach, end_is_free, out );
+		return take( bent, out );
 	}
 	if ( halvings == most_halvings )
 	{
@@ -263,10 +262,41 @@ bool Walker::join(
 	++m_counts.projections;
 	const std::size_t before = out.size();
 	const bool joined = m_manifold.project( middle.data() ) && ( middle - a ).norm() < chord &&
-	                    ( middle - b ).norm() < chord && join( a, middle, reach, false, halvings + 1, out ) &&
-	                    join( middle, b, reach, end_is_free, halvings + 1, out );
+	                    ( middle - b ).norm() < chord && join( a, middle, halvings + 1, out ) &&
+	                    join( middle, b, halvings + 1, out );
 	joined ? void() : out.resize( before );
 	return joined;
+}
+
+/// join(), or a chord that seems clear.
+bool Walker::link( const State& a, const State& b, const Reach& reach, bool end_is_free, std::vector<Piece>& out )
+{
+	if ( !reach.proofs_wait )
+	{
+		return join( a, b, 0, out );
+	}
+	const Piece chord = straightPiece( a, b );
+	const bool good = ( end_is_free || leadsAlong( a, b ) ) && seemsClear( chord, end_is_free );
+	good ? out.push_back( chord ) : void();
+	return good;
+}
+
+bool Walker::prove( std::vector<Piece>& way )
+{
+	std::vector<Piece> proved;
+	for ( const Piece& piece : way )
+	{
+		if ( piece.proved )
+		{
+			proved.push_back( piece );
+		}
+		else if ( !join( piece.first(), piece.last(), 0, proved ) )
+		{
+			return false;
+		}
+	}
+	way = std::move( proved );
+	return true;
 }
 
 /// A state on the manifold, one step towards the end. @return false: there is none
@@ -298,19 +328,22 @@ bool Walker::walk( const State& a, const State& b, const Reach& reach, std::vect
 		out.push_back( straight );
 		return true;
 	}
-	if ( gap <= reach.most && isKept( straight ) && take( straight, reach, false, out ) )
+	if ( gap <= reach.most && isKept( straight ) &&
+	     ( reach.proofs_wait ? seemsClear( straight, false ) : isClear( straight ) ) )
 	{
+		straight.proved = !reach.proofs_wait;
+		out.push_back( straight );
 		return true;
 	}
 	while ( left > least_step && !( reach.whole && ( to - q ).norm() > left ) )
 	{
 		const bool near = ( to - q ).norm() <= std::min( length, left );
-		if ( near && join( q, to, reach, false, 0, out ) )
+		if ( near && link( q, to, reach, false, out ) )
 		{
 			return true;
 		}
 		State next;
-		if ( near || !step( q, to, std::min( length, left ), next ) || !join( q, next, reach, true, 0, out ) )
+		if ( near || !step( q, to, std::min( length, left ), next ) || !link( q, next, reach, true, out ) )
 		{
 			length = 0.5 * std::min( length, ( to - q ).norm() );
 			if ( length < reach.least )

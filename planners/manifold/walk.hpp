@@ -15,11 +15,12 @@ namespace leeway::manifold
 
 using State = Eigen::VectorXd;
 
-/// A motion that is proved to keep the constraints: a Bezier curve of the group's variables, of degree 1 or 3. Angles go on without wrapping.
+/// A motion: a Bezier curve of the group's variables, of degree 1 or 3. Angles go on without wrapping.
 struct Piece
 {
 	unsigned degree = 1;
-	bool clear = false;         ///< its clearances are proved too; else only some of its states were tested
+	bool proved =
+	    false; ///< to keep the constraints and clearances; else it is the chord of a motion that has still to be found
 	std::vector<double> points; ///< [degree + 1][variables]
 
 	std::size_t variables() const { return points.size() / ( degree + 1 ); }
@@ -64,7 +65,7 @@ struct Reach
 	double most = HUGE_VAL;    ///< length of the way
 	double least = least_step; ///< steps that fail are halved down to this
 	bool whole = false;        ///< ends as soon as the end is farther away than the rest of `most`
-	bool proofs_wait = false;  ///< clearances are looked at in some states only, and proved later
+	bool proofs_wait = false;  ///< chords are looked at in some states only; Walker::prove() comes later
 };
 
 class Walker
@@ -75,15 +76,15 @@ public:
 
 	/// Goes from a towards b. Angles that wrap go the shorter way.
 	/// @param a keeps the constraints, and so does b if it is to be reached
-	/// @param out proved pieces, appended; the first begins at a
+	/// @param out pieces, appended; the first begins at a
 	/// @return true: the last piece ends at b, up to whole turns of angles that wrap
 	bool walk( const State& a, const State& b, const Reach& reach, std::vector<Piece>& out );
+	/// Proved pieces in place of chords. @return false: there are none for one of them, and `way` is as before
+	bool prove( std::vector<Piece>& way );
 	/// Proves constraints and clearances of a motion.
 	bool isProved( const Piece& piece ) { return isKept( piece ) && isClear( piece ); }
 	/// Only clearances.
 	bool isClear( const Piece& piece );
-	/// isClear() of pieces of which it is not known yet. @return the first that is not clear; [pieces] if there is none
-	std::size_t proveClear( std::vector<Piece>& pieces );
 	bool isFree( const State& q );
 	/// b, with wrapping angles in the turns that are nearest to a.
 	State nearestTurns( const State& a, const State& b ) const;
@@ -94,9 +95,11 @@ public:
 private:
 	bool isKept( const Piece& piece );
 	bool isWithin( const Piece& piece ) const;
-	bool take( Piece& piece, const Reach& reach, bool end_is_free, std::vector<Piece>& out );
-	bool seemsClear( const Piece& piece, bool end_is_free );
-	bool join( const State& a, const State& b, const Reach& reach, bool end_is_free, int halvings, std::vector<Piece>& out );
+	bool take( Piece& piece, std::vector<Piece>& out );
+	bool seemsClear( const Piece& chord, bool end_is_free );
+	bool leadsAlong( const State& a, const State& b );
+	bool link( const State& a, const State& b, const Reach& reach, bool end_is_free, std::vector<Piece>& out );
+	bool join( const State& a, const State& b, int halvings, std::vector<Piece>& out );
 	bool step( const State& q, const State& to, double length, State& next );
 
 	Manifold& m_manifold;
