@@ -82,11 +82,6 @@ Errors errorsOf( const Motion& m, double time, const std::vector<double>& deviat
 	return errorsAt( m.model, m.robot.get(), m.def, q, valuesAt( m.timing, time )[0] );
 }
 
-lw_vec3 randomVector( SeededRng& rng, double size )
-{
-	return { rng.uniform( -size, size ), rng.uniform( -size, size ), rng.uniform( -size, size ) };
-}
-
 /// Limits a little above, or below, the errors that a few samples have; some are left out.
 void limitBySamples( SeededRng& rng, Motion& m )
 {

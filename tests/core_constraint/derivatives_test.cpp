@@ -6,11 +6,6 @@
 namespace
 {
 
-lw_vec3 randomVector( SeededRng& rng, double size )
-{
-	return { rng.uniform( -size, size ), rng.uniform( -size, size ), rng.uniform( -size, size ) };
-}
-
 lw_region_def randomRegion( SeededRng& rng, const lw_robot* robot )
 {
 	const int links = static_cast<int>( lw_robot_link_count( robot ) );

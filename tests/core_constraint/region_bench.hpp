@@ -7,6 +7,11 @@
 
 using RegionPtr = leeway::RegionHandle;
 
+inline lw_vec3 randomVector( SeededRng& rng, double size )
+{
+	return { rng.uniform( -size, size ), rng.uniform( -size, size ), rng.uniform( -size, size ) };
+}
+
 struct RegionBench
 {
 	ClockBench clock;
