@@ -36,17 +36,14 @@ public:
 	std::size_t nearest( const State& turns, const State& q ) const
 	{
 		const Eigen::Index count = q.size();
+		const bool wraps = ( turns.array() > 0 ).any();
 		std::size_t best = 0;
 		double least = HUGE_VAL;
 		const double* at = m_states.data();
 		for ( std::size_t i = 0; i < size(); ++i, at += count )
 		{
-			double square = 0;
-			for ( Eigen::Index k = 0; k < count; ++k )
-			{
-				const double way = q[k] - at[k];
-				square += turns[k] > 0 ? std::pow( std::remainder( way, turns[k] ), 2 ) : way * way;
-			}
+			const double square =
+			    wraps ? shorterSquare( turns, q, at ) : ( q - Eigen::Map<const State>( at, count ) ).squaredNorm();
 			if ( square < least )
 			{
 				least = square;
@@ -102,6 +99,18 @@ private:
 		std::vector<Piece> pieces; ///< from the parent
 		bool cut = false;
 	};
+
+	/// Square of the distance, with angles that wrap the shorter way.
+	static double shorterSquare( const State& turns, const State& a, const double* b )
+	{
+		double square = 0;
+		for ( Eigen::Index k = 0; k < a.size(); ++k )
+		{
+			const double way = turns[k] > 0 ? std::remainder( a[k] - b[k], turns[k] ) : a[k] - b[k];
+			square += way * way;
+		}
+		return square;
+	}
 
 	bool isProved( std::size_t node ) const
 	{
