@@ -237,7 +237,7 @@ struct Manifold::Parts
 
 	double weightOf( const Row& row ) const { return row.isPosition() ? 1 : turn_length; }
 
-	bool project( State& q )
+	bool project( State& q, double most )
 	{
 		q = q.cwiseMax( inner_lower ).cwiseMin( inner_upper );
 		const State none = State::Zero( q.size() );
@@ -253,7 +253,7 @@ struct Manifold::Parts
 				wanted[r] = -row.error( values[r] );
 				weights[r] = row.thin || wanted[r] != 0 ? weightOf( row ) : 0;
 				square += weights[r] * weights[r] * wanted[r] * wanted[r];
-				close = close && std::fabs( wanted[r] ) <= row.close;
+				close = close && std::fabs( wanted[r] ) <= std::min( row.close, most );
 			}
 			if ( close )
 			{
@@ -316,11 +316,11 @@ const motions::BoundConstraints& Manifold::constraints() const
 	return m_parts->constraints;
 }
 
-bool Manifold::project( double* q )
+bool Manifold::project( double* q, double most )
 {
 	Eigen::Map<State> state( q, m_parts->lower.size() );
 	State moved = state;
-	const bool done = m_parts->project( moved );
+	const bool done = m_parts->project( moved, most );
 	state = moved;
 	return done;
 }

@@ -83,3 +83,25 @@ TEST( ConstraintsOfOmpl, ATangentBundleTiltsTheCup )
 {
 	expectPlan<ob::TangentBundleStateSpace>();
 }
+
+TEST( ConstraintsOfOmpl, AProjectedStateIsNotSatisfied )
+{
+	SeededRng rng;
+	ManifoldWorld world( sevenAxisArm() );
+	const Vector about = { -0.8, 0.6, 0.2, -1.2, 0.1, 0.5, 0.3 };
+	world.keepPlace( "hand", about, { 4, 0.035, 0.035 } ); // a thousandth of these ranges is more than OMPL's tolerance
+	world.keepOrientation( "hand", about, { 0.015, 3, 3 } );
+	const auto manifold = std::make_shared<manifold::Manifold>( world.robot, world.problem, world.path );
+	const manifold::OmplConstraint constraint( manifold, 1e-6 );
+	int projected = 0;
+	for ( int i = 0; i < 300; ++i )
+	{
+		Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>( world.randomState( rng ).data(), 7 );
+		if ( constraint.project( q ) )
+		{
+			++projected;
+			EXPECT_TRUE( constraint.isSatisfied( q ) ) << constraint.distance( q );
+		}
+	}
+	EXPECT_GT( projected, 100 );
+}

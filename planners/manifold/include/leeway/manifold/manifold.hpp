@@ -7,6 +7,7 @@
 
 #include "leeway/motions/path_constraints.hpp"
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,8 +31,10 @@ public:
 	const motions::BoundConstraints& constraints() const;
 
 	/// Moves a state to one that keeps all constraints with room: damped Newton steps within the joint limits.
-	/// @param q [variables()] @return false if that does not succeed
-	bool project( double* q );
+	/// @param q [variables()]
+	/// @param most metres and radians, of each row's error then; a thousandth of half the row's range if that is less
+	/// @return false if that does not succeed
+	bool project( double* q, double most = HUGE_VAL );
 	/// The part of a direction along which the constraints stay kept: without changes of thin rows, nor of others that would leave their range.
 	/// @param q, direction [variables()]
 	void makeTangent( const double* q, double* direction );

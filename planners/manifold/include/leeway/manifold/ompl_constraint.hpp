@@ -15,6 +15,7 @@
 
 #include <ompl/base/Constraint.h>
 
+#include <cmath>
 #include <memory>
 
 namespace leeway::manifold
@@ -51,11 +52,11 @@ public:
 		out = derivatives;
 	}
 
-	/// Within the joint limits, unlike OMPL's own.
+	/// Within the joint limits, unlike OMPL's own. The tolerance is of the norm of all errors.
 	bool project( Eigen::Ref<Eigen::VectorXd> x ) const override
 	{
 		Eigen::VectorXd q = x;
-		const bool done = m_manifold->project( q.data() );
+		const bool done = m_manifold->project( q.data(), 0.9 * getTolerance() / std::sqrt( m_manifold->rows() + 1.0 ) );
 		x = q;
 		return done;
 	}
