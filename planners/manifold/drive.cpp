@@ -40,7 +40,7 @@ double unitTime( double s )
 	return 0.5 - std::sin( std::asin( std::clamp( 1 - 2 * s, -1.0, 1.0 ) ) / 3 );
 }
 
-/// Of a cubic's derivatives, in parts of their limits: the first is in seconds^-1, the second in seconds^-2, the third in seconds^-3 for a unit of time.
+/// The first three derivatives of a cubic as parts of their limits: seconds, seconds^2, seconds^3.
 class Need
 {
 public:

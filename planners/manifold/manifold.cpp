@@ -178,8 +178,7 @@ struct Manifold::Parts
 		}
 	}
 
-	/// change = moved + the smallest change of joints that makes what is wanted of rows, which `moved` does not; rows of weight 0 and fixed joints are
-	/// left out.
+	/// change = moved + the smallest further change of joints, so that rows change as wanted. Rows of weight 0 and fixed joints are left out.
 	void solve( double damping )
 	{
 		Eigen::Index count = 0;

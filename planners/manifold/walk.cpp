@@ -19,7 +19,7 @@ constexpr int most_halvings = 5;   // of a cubic
 constexpr int length_parts = 8;
 constexpr double no_length = 1e-12;
 constexpr double least_along = 0.7; // of a chord, along the constraints at its begin
-constexpr double look_width = 0.1;  // radians or metres between states that are looked at
+constexpr double look_width = 0.1;  // radians or metres between the states of a chord that a look tests
 constexpr std::uint32_t most_looks = 31;
 
 } // namespace
@@ -268,17 +268,22 @@ bool Walker::join( const State& a, const State& b, int halvings, std::vector<Pie
 	return joined;
 }
 
-/// join(), or a chord that seems clear.
-bool Walker::link( const State& a, const State& b, const Reach& reach, bool end_is_free, std::vector<Piece>& out )
+/// Appends a chord if it seems clear.
+bool Walker::takeChord( const Piece& chord, bool end_is_free, std::vector<Piece>& out )
+{
+	const bool good = seemsClear( chord, end_is_free );
+	good ? out.push_back( chord ) : void();
+	return good;
+}
+
+/// join(), or a chord. @param stepped step() led from a to b: along the constraints, and b is free
+bool Walker::link( const State& a, const State& b, const Reach& reach, bool stepped, std::vector<Piece>& out )
 {
 	if ( !reach.proofs_wait )
 	{
 		return join( a, b, 0, out );
 	}
-	const Piece chord = straightPiece( a, b );
-	const bool good = ( end_is_free || leadsAlong( a, b ) ) && seemsClear( chord, end_is_free );
-	good ? out.push_back( chord ) : void();
-	return good;
+	return ( stepped || leadsAlong( a, b ) ) && takeChord( straightPiece( a, b ), stepped, out );
 }
 
 bool Walker::prove( std::vector<Piece>& way )
@@ -329,10 +334,8 @@ bool Walker::walk( const State& a, const State& b, const Reach& reach, std::vect
 		return true;
 	}
 	if ( gap <= reach.most && isKept( straight ) &&
-	     ( reach.proofs_wait ? seemsClear( straight, false ) : isClear( straight ) ) )
+	     ( reach.proofs_wait ? takeChord( straight, false, out ) : take( straight, out ) ) )
 	{
-		straight.proved = !reach.proofs_wait;
-		out.push_back( straight );
 		return true;
 	}
 	while ( left > least_step && !( reach.whole && ( to - q ).norm() > left ) )

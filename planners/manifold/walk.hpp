@@ -19,8 +19,8 @@ using State = Eigen::VectorXd;
 struct Piece
 {
 	unsigned degree = 1;
-	bool proved =
-	    false; ///< to keep the constraints and clearances; else it is the chord of a motion that has still to be found
+	/// To keep the constraints and clearances. Else it is a chord, in whose place Walker::prove() finds a motion.
+	bool proved = false;
 	std::vector<double> points; ///< [degree + 1][variables]
 
 	std::size_t variables() const { return points.size() / ( degree + 1 ); }
@@ -65,7 +65,7 @@ struct Reach
 	double most = HUGE_VAL;    ///< length of the way
 	double least = least_step; ///< steps that fail are halved down to this
 	bool whole = false;        ///< ends as soon as the end is farther away than the rest of `most`
-	bool proofs_wait = false;  ///< chords are looked at in some states only; Walker::prove() comes later
+	bool proofs_wait = false;  ///< chords that seem clear stand for motions; Walker::prove() comes later
 };
 
 class Walker
@@ -97,8 +97,9 @@ private:
 	bool isWithin( const Piece& piece ) const;
 	bool take( Piece& piece, std::vector<Piece>& out );
 	bool seemsClear( const Piece& chord, bool end_is_free );
+	bool takeChord( const Piece& chord, bool end_is_free, std::vector<Piece>& out );
 	bool leadsAlong( const State& a, const State& b );
-	bool link( const State& a, const State& b, const Reach& reach, bool end_is_free, std::vector<Piece>& out );
+	bool link( const State& a, const State& b, const Reach& reach, bool stepped, std::vector<Piece>& out );
 	bool join( const State& a, const State& b, int halvings, std::vector<Piece>& out );
 	bool step( const State& q, const State& to, double length, State& next );
 
@@ -107,7 +108,7 @@ private:
 	const lw_edge_def& m_edge;
 	lw_query* m_query;
 	State m_turns, m_lower, m_upper;
-	std::vector<double> m_states; ///< that are looked at, [count][variables]
+	std::vector<double> m_states; ///< of a chord, [count][variables]
 	WalkCounts m_counts;
 };
 

@@ -18,11 +18,6 @@ typedef struct gradients
 	lw_vec3 turn[LW_REGION_LIMITS - 3]; ///< of angles, from LW_REGION_ANGLE on
 } gradients;
 
-static lw_vec3 row_of( const double m[3] )
-{
-	return lwi_v3( m[0], m[1], m[2] );
-}
-
 /// J with log( exp( v ) exp( d ) ) = v + J d + O(d^2) (Chirikjian, Stochastic Models, Information Theory, and Lie Groups 2, 2012, section 10.3).
 static void inverse_right_jacobian( lw_vec3 v, lw_vec3 rows[3] )
 {
@@ -38,7 +33,7 @@ static void inverse_right_jacobian( lw_vec3 v, lw_vec3 rows[3] )
 		{
 			m[i][k] += factor * ( at[i] * at[k] - ( i == k ? square : 0 ) ); // [v]^2 = v v^T - v^2
 		}
-		rows[i] = row_of( m[i] );
+		rows[i] = lwi_load( m[i] );
 	}
 }
 
@@ -67,15 +62,11 @@ static gradients gradients_of( const lw_region* region, const lwi_deviation* of,
 	const lw_region_def* d = &region->def;
 	gradients g;
 	memset( &g, 0, sizeof( g ) );
-	lw_transform turn = { { { 0 } }, { 0, 0, 0 } };
+	const lw_transform turn = lwi_deviation_turn( of );
 	for ( int i = 0; i < 3; ++i )
 	{
 		const lw_vec3 axis = lwi_v3( d->start.r[0][i], d->start.r[1][i], d->start.r[2][i] );
 		g.shift[i] = lwi_unrotate( &errors->pose, axis );
-		for ( int k = 0; k < 3; ++k )
-		{
-			turn.r[i][k] = of->turn[i][k] + ( i == k ? 1 : 0 );
-		}
 	}
 	const double* turns = errors->value + LW_REGION_TURN_X;
 	lw_vec3* rows = g.turn + ( LW_REGION_TURN_X - LW_REGION_ANGLE );

@@ -331,8 +331,7 @@ static double angle_of( double chord )
 	return 2 * asin( lwi_smaller( 0.5 * chord, 1 ) );
 }
 
-/// The rotation's angles as `turns_are` says, and by how much a rotation that is off by `rounding` makes them off.
-static void read_turns( const lw_region* region, const lwi_deviation* of, double rounding, double* value, double* error )
+lw_transform lwi_deviation_turn( const lwi_deviation* of )
 {
 	lw_transform turn = { { { 0 } }, { 0, 0, 0 } };
 	for ( int i = 0; i < 3; ++i )
@@ -342,6 +341,13 @@ static void read_turns( const lw_region* region, const lwi_deviation* of, double
 			turn.r[i][k] = of->turn[i][k] + ( i == k ? 1 : 0 );
 		}
 	}
+	return turn;
+}
+
+/// The rotation's angles as `turns_are` says, and by how much a rotation that is off by `rounding` makes them off.
+static void read_turns( const lw_region* region, const lwi_deviation* of, double rounding, double* value, double* error )
+{
+	const lw_transform turn = lwi_deviation_turn( of );
 	if ( region->def.turns_are == LW_TURNS_XYZ )
 	{
 		const double sine = lwi_clamp( turn.r[0][2], -1, 1 ), cosine = sqrt( ( 1 - sine ) * ( 1 + sine ) );

@@ -75,6 +75,9 @@ bool lwi_region_deviation( const lw_region* region, const double* values, double
 lw_status lwi_region_errors( lw_region* region, const double* q, double fraction, lwi_twist* twists,
 	lwi_deviation* deviation, lw_region_errors* out );
 
+/// The rotation of a deviation.
+lw_transform lwi_deviation_turn( const lwi_deviation* of );
+
 /// Values of the limited errors at a deviation, and by how much each may be off.
 void lwi_region_values( const lw_region* region, const lwi_deviation* of, const lwi_deviation_rounding* rounding,
 	double value[LW_REGION_LIMITS], double error[LW_REGION_LIMITS] );
