@@ -95,8 +95,7 @@ struct Chain
 	}
 
 	/// Lanes at the middles of eight windows of [0, 1].
-	/// @param moves false: without twists, which are then zeros
-	lwi_batch_frame lanes( const lwi_kernels* kernels, bool moves = true ) const
+	lwi_batch_frame lanes( const lwi_kernels* kernels ) const
 	{
 		lwi_batch_frame frame;
 		std::memset( &frame, 0, sizeof( frame ) );
@@ -106,32 +105,67 @@ struct Chain
 		}
 		for ( const Joint& j : joints )
 		{
+			const Values v( j );
 			const lwi_batch_joint joint = batch_joint_of( j );
-			double c[LWI_WIDTH], s[LWI_WIDTH], value[LWI_WIDTH], speeds[LWI_WIDTH];
-			for ( int l = 0; l < LWI_WIDTH; ++l )
-			{
-				speeds[l] = static_cast<double>( j.speed );
-				const double v = static_cast<double>( j.start + ( l + 0.5L ) / LWI_WIDTH * j.speed );
-				c[l] = j.rotates ? std::cos( v ) : 1;
-				s[l] = j.rotates ? std::sin( v ) : 0;
-				value[l] = j.rotates ? 0 : v;
-			}
 			lwi_batch_frame next;
 			std::memset( &next, 0, sizeof( next ) );
-			if ( moves )
-			{
-				kernels->batch_frame( &frame, &joint, c, s, value, speeds, &next );
-			}
-			else
-			{
-				kernels->lane_frame( &frame, &joint, c, s, value, &next );
-			}
+			kernels->batch_frame( &frame, &joint, v.cosine, v.sine, v.value, v.speed, &next );
 			frame = next;
 		}
 		return frame;
 	}
 
+	/// The same at rest, in float.
+	lwi_lane_motion poses( const lwi_kernels* kernels ) const
+	{
+		lwi_lane_motion frame;
+		std::memset( &frame, 0, sizeof( frame ) );
+		for ( int l = 0; l < LWI_WIDTH; ++l )
+		{
+			frame.r[0][l] = frame.r[4][l] = frame.r[8][l] = 1;
+		}
+		for ( const Joint& j : joints )
+		{
+			const Values v( j );
+			const lwi_batch_joint joint = batch_joint_of( j );
+			lwi_lane_motion next;
+			kernels->lane_frame( &frame, &joint.lane, v.cosine, v.sine, v.value, &next );
+			frame = next;
+		}
+		return frame;
+	}
+
+	/// Metres: how far poses() may be off at a point that is so far from the last frame: core/docs/states.md.
+	double off( double beyond ) const
+	{
+		double length = beyond;
+		for ( const Joint& j : joints )
+		{
+			const Vector& t = j.t;
+			length += static_cast<double>( std::sqrt( t[0] * t[0] + t[1] * t[1] + t[2] * t[2] ) );
+			length += j.rotates ? 0 : static_cast<double>( std::fabs( j.start ) + std::fabs( j.speed ) );
+		}
+		return 64 * 0x1p-24 * static_cast<double>( joints.size() + 2 ) * length;
+	}
+
 private:
+	/// Of a joint in the lanes.
+	struct Values
+	{
+		double cosine[LWI_WIDTH], sine[LWI_WIDTH], value[LWI_WIDTH], speed[LWI_WIDTH];
+		explicit Values( const Joint& j )
+		{
+			for ( int l = 0; l < LWI_WIDTH; ++l )
+			{
+				speed[l] = static_cast<double>( j.speed );
+				const double v = static_cast<double>( j.start + ( l + 0.5L ) / LWI_WIDTH * j.speed );
+				cosine[l] = j.rotates ? std::cos( v ) : 1;
+				sine[l] = j.rotates ? std::sin( v ) : 0;
+				value[l] = j.rotates ? 0 : v;
+			}
+		}
+	};
+
 	static lwi_batch_joint batch_joint_of( const Joint& j )
 	{
 		lwi_batch_joint out = {};
@@ -150,6 +184,13 @@ private:
 			}
 		}
 		out.rotates = j.rotates;
+		const auto round = []( const double* from, size_t count, float* to )
+		{ std::transform( from, from + count, to, []( double x ) { return static_cast<float>( x ); } ); };
+		round( out.still, 9, out.lane.still );
+		round( out.cosine, 9, out.lane.cosine );
+		round( out.sine, 9, out.lane.sine );
+		round( out.offset, 3, out.lane.offset );
+		round( out.along, 3, out.lane.along );
 		return out;
 	}
 };
@@ -228,7 +269,7 @@ TEST( BatchKernels, LevelOfStatesDiffersFromScalar )
 	SeededRng rng;
 	for ( int i = 0; i < 2000; ++i )
 	{
-		const Chain chain( rng );
+		const Chain chain( rng ), beside( rng );
 		const double t[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) };
 		const double r[3][3] = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } };
 		const float middle[3] = { 0.1f, 0.2f, -0.3f }, half[3] = { 0.3f, 0.2f, 0.1f };
@@ -257,8 +298,7 @@ TEST( BatchKernels, LevelOfStatesDiffersFromScalar )
 		struct Output
 		{
 			lwi_batch_point point;
-			lwi_lane_frame body;
-			lwi_lane_motion motion;
+			lwi_lane_motion stopped, body, motion, between;
 			uint8_t boxes[LWI_WIDTH], children[LWI_WIDTH];
 			uint32_t slabs, points;
 		};
@@ -267,18 +307,18 @@ TEST( BatchKernels, LevelOfStatesDiffersFromScalar )
 		{
 			Output o;
 			std::memset( &o, 0, sizeof( o ) );
-			const lwi_batch_frame frame = chain.lanes( table, false ), moving = chain.lanes( table );
-			EXPECT_EQ( 0, std::memcmp( frame.r, moving.r, sizeof( frame.r ) ) ) << "input " << i;
-			EXPECT_EQ( 0, std::memcmp( frame.t, moving.t, sizeof( frame.t ) ) ) << "input " << i;
-			lwi_batch_point also;
-			table->batch_point( &moving, t, t, 0.125, &also );
-			table->batch_point( &frame, t, t, 0, &o.point );
-			EXPECT_EQ( 0, std::memcmp( o.point.p, also.p, sizeof( also.p ) ) ) << "input " << i;
+			const lwi_lane_motion frame = chain.poses( table ), other_frame = beside.poses( table );
+			const lwi_batch_frame moving = chain.lanes( table );
+			table->lane_of_batch( &moving, t, &o.stopped );
+			table->lane_point( &frame, t, t, &o.point );
 			EXPECT_TRUE( std::all_of(
 			    &o.point.displacement[0][0], &o.point.displacement[0][0] + 24, []( float d ) { return d == 0; } ) );
 			table->lane_boxes( &o.point, &box, 1, 0.7f, o.boxes );
 			table->lane_body( &frame, r, t, &o.body );
 			table->lane_relative( &o.body, r, t, &o.motion );
+			lwi_lane_motion other;
+			table->lane_body( &other_frame, r, t, &other );
+			table->lane_between( &o.body, &other, &o.between );
 			o.slabs = table->lane_slabs( &o.motion, middle, half, &primitive, 0.2f );
 			o.points = table->lane_points( &o.motion, points, 2, &primitive, 0x7fu );
 			table->lane_node( &o.motion, &node, &primitive, 0.1f, o.children );
@@ -295,36 +335,54 @@ TEST( BatchKernels, PointsAreElsewhereOrMoveOtherwise )
 	const real half = 1.0L / 16;
 	for ( int i = 0; i < 3000; ++i )
 	{
-		const Chain chain( rng );
+		const Chain chain( rng ), beside( rng );
 		const lwi_batch_frame frame = chain.lanes( &lwi_kernels_scalar );
+		const lwi_lane_motion at_rest = chain.poses( &lwi_kernels_scalar ),
+		                      other_frame = beside.poses( &lwi_kernels_scalar );
 		const double local[3] = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) },
 		             origin[3] = { 1, -2, 0.5 };
 		const double r[3][3] = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } },
 		             still[3][3] = { { 0, 0, 1 }, { 1, 0, 0 }, { 0, 1, 0 } };
-		const float inner[3] = { 0.25f, -0.5f, 0.125f };
-		lwi_batch_point point;
-		lwi_lane_frame body;
-		lwi_lane_motion moved;
+		lwi_batch_point point, resting;
+		lwi_lane_motion stopped, body, other_body, moved, between;
 		lwi_kernels_scalar.batch_point( &frame, local, origin, static_cast<double>( half ), &point );
-		lwi_kernels_scalar.lane_body( &frame, r, local, &body );
+		lwi_kernels_scalar.lane_of_batch( &frame, origin, &stopped );
+		lwi_kernels_scalar.lane_point( &at_rest, local, origin, &resting );
+		lwi_kernels_scalar.lane_body( &at_rest, r, local, &body );
 		lwi_kernels_scalar.lane_relative( &body, still, origin, &moved );
+		lwi_kernels_scalar.lane_body( &other_frame, still, local, &other_body );
+		lwi_kernels_scalar.lane_between( &body, &other_body, &between );
+		const auto by = []( const lwi_lane_motion& m, size_t axis, int l, double x, double y, double z )
+		{
+			const size_t row = 3 * axis;
+			return static_cast<double>( m.r[row][l] ) * x + static_cast<double>( m.r[row + 1][l] ) * y +
+			       static_cast<double>( m.r[row + 2][l] ) * z + static_cast<double>( m.t[axis][l] );
+		};
+		const double off = chain.off( 2.5 ), off_of_both = off + beside.off( 2.5 );
 		const Vector at{ local[0], local[1], local[2] }, in{ local[0] + 0.5L, local[1] + 0.25L, local[2] + 0.125L };
 		for ( int l = 0; l < LWI_WIDTH; ++l )
 		{
 			const real t = ( l + 0.5L ) / LWI_WIDTH, h = 1e-5L;
 			const Vector now = chain.at( at, t ), before = chain.at( at, t - h ), after = chain.at( at, t + h ),
-			             other = chain.at( in, t );
+			             other = chain.at( in, t ), from = beside.at( at, t );
 			for ( size_t axis = 0; axis < 3; ++axis )
 			{
 				EXPECT_NEAR(
 				    static_cast<double>( now[axis] ) - origin[axis], static_cast<double>( point.p[axis][l] ), 4e-6 );
 				EXPECT_NEAR( static_cast<double>( half * ( after[axis] - before[axis] ) / ( 2 * h ) ),
 				    static_cast<double>( point.displacement[axis][l] ), 4e-6 );
-				const size_t row = 3 * axis, world = ( axis + 1 ) % 3; // where this axis of the frame at rest points
-				EXPECT_NEAR( static_cast<double>( other[world] ) - origin[world],
-				    static_cast<double>( moved.r[row][l] * inner[0] + moved.r[row + 1][l] * inner[1] +
-				                         moved.r[row + 2][l] * inner[2] + moved.t[axis][l] ),
-				    4e-6 );
+				EXPECT_NEAR( static_cast<double>( now[axis] ) - origin[axis],
+				    by( stopped, axis, l, local[0], local[1], local[2] ), 4e-6 );
+				EXPECT_NEAR(
+				    static_cast<double>( now[axis] ) - origin[axis], static_cast<double>( resting.p[axis][l] ), off );
+				const size_t world = ( axis + 1 ) % 3; // where this axis of the frame at rest points
+				EXPECT_NEAR(
+				    static_cast<double>( other[world] ) - origin[world], by( moved, axis, l, 0.25, -0.5, 0.125 ), off );
+				Vector tip = at;
+				tip[world] += 1;
+				const Vector along = plus( beside.at( tip, t ), from, -1 ), way = plus( other, from, -1 );
+				EXPECT_NEAR( static_cast<double>( along[0] * way[0] + along[1] * way[1] + along[2] * way[2] ),
+				    by( between, axis, l, 0.25, -0.5, 0.125 ), off_of_both );
 			}
 		}
 	}

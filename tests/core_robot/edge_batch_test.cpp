@@ -44,7 +44,8 @@ bool pairsLeft( const lw_checker* checker, lw_query* query, const double* qa, co
 		return false;
 	}
 	lwi_work_begin( &e, 1, false );
-	lwi_edge_gate( &e );
+	lwi_edge_gate_begin( &e );
+	lwi_edge_gate( &e, true );
 	for ( std::uint32_t i = 0; i < e.pairs.count; ++i )
 	{
 		left->push_back( { e.pairs.all[i].body[0], e.pairs.all[i].body[1], e.pairs.all[i].cells } );

@@ -29,6 +29,14 @@ static lwi_batch_joint batch_joint( const lwi_joint* joint, const lw_transform* 
 								  parent_from_joint->r[i][2] * cross[2][j];
 		}
 	}
+	for ( int i = 0; i < 9; ++i )
+	{
+		out.lane.still[i] = (float)out.still[i];
+		out.lane.cosine[i] = (float)out.cosine[i];
+		out.lane.sine[i] = (float)out.sine[i];
+		out.lane.offset[i % 3] = (float)out.offset[i % 3];
+		out.lane.along[i % 3] = (float)out.along[i % 3];
+	}
 	return out;
 }
 
@@ -87,17 +95,74 @@ static void pose_several( const lw_checker* checker, uint32_t cluster, const lwi
 	}
 }
 
-/// Frames of all clusters; lane_values has the values of their joints. @param states, speeds NULL: at rest
-static void pose_lanes( const lw_checker* checker, lw_query* query, const double* states, const double* speeds )
+static const double zeros[LWI_WIDTH] = { 0 }, ones[LWI_WIDTH] = { 1, 1, 1, 1, 1, 1, 1, 1 };
+
+/// Of a cluster's joint in the lanes.
+typedef struct lane_values
 {
-	static const double zeros[LWI_WIDTH] = { 0 }, ones[LWI_WIDTH] = { 1, 1, 1, 1, 1, 1, 1, 1 };
+	const double *cosine, *sine, *value;
+} lane_values;
+
+/// Cosines and sines of all joints, whose values lane_values has.
+static void turn_lanes( const lw_checker* checker, lw_query* query )
+{
+	const uint32_t count = checker->base->tree->cluster_count * LWI_WIDTH;
+	double* values = query->scratch.lane_values;
+	query->search.kernels->sincos( values + LWI_WIDTH, count - LWI_WIDTH, values + count + LWI_WIDTH,
+		values + 2 * (size_t)count + LWI_WIDTH ); // cluster 0 has no joint
+}
+
+static lane_values values_of( const lw_checker* checker, const lw_query* query, uint32_t cluster )
+{
+	const size_t count = (size_t)checker->base->tree->cluster_count * LWI_WIDTH, at = (size_t)cluster * LWI_WIDTH;
+	const double* values = query->scratch.lane_values;
+	return checker->base->tree->batch_joints[cluster].rotates
+			   ? ( lane_values ){ values + count + at, values + 2 * count + at, zeros }
+			   : ( lane_values ){ ones, zeros, values + at };
+}
+
+const double* lwi_lanes_origin( const lw_checker* checker )
+{
+	return checker->base->group.reference_poses[checker->base->tree->clusters[0].root_link].t;
+}
+
+void lwi_pose_lanes( const lw_checker* checker, lw_query* query )
+{
 	const lwi_cluster_tree* tree = checker->base->tree;
-	const lwi_kernels* kernels = query->search.kernels;
-	const uint32_t count = tree->cluster_count * LWI_WIDTH, variables = checker->base->robot->variable_count;
-	double *values = query->scratch.lane_values, *cosines = values + count, *sines = cosines + count;
+	const lw_transform* root = &checker->base->group.reference_poses[tree->clusters[0].root_link];
+	lwi_lane_motion* poses = query->scratch.lane_poses;
+	turn_lanes( checker, query );
+	for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
+	{
+		for ( int i = 0; i < 9; ++i )
+		{
+			poses[0].r[i][l] = (float)root->r[i / 3][i % 3];
+			poses[0].t[i % 3][l] = 0;
+		}
+	}
+	for ( uint32_t i = 1; i < tree->cluster_count; ++i )
+	{
+		const lane_values of = values_of( checker, query, i );
+		query->search.kernels->lane_frame( &poses[tree->clusters[i].parent], &tree->batch_joints[i].lane, of.cosine, of.sine,
+			of.value, &poses[i] );
+	}
+}
+
+void lwi_pose_moving_lanes( const lw_checker* checker, lw_query* query, const double* states, const double* speeds )
+{
+	const lwi_cluster_tree* tree = checker->base->tree;
+	const uint32_t variables = checker->base->robot->variable_count;
 	lwi_batch_frame* frames = query->scratch.lane_frames;
-	broadcast( 0, values ); // cluster 0
-	kernels->sincos( values, count, cosines, sines );
+	for ( uint32_t i = 1; i < tree->cluster_count; ++i )
+	{
+		const lwi_batch_joint* joint = &tree->batch_joints[i];
+		for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
+		{
+			query->scratch.lane_values[i * LWI_WIDTH + l] =
+				joint->multiplier * states[l * variables + joint->variable] + joint->variable_offset;
+		}
+	}
+	turn_lanes( checker, query );
 	memset( &frames[0], 0, sizeof( frames[0] ) );
 	const lw_transform* root = &checker->base->group.reference_poses[tree->clusters[0].root_link];
 	for ( int i = 0; i < 9; ++i )
@@ -108,59 +173,47 @@ static void pose_lanes( const lw_checker* checker, lw_query* query, const double
 	for ( uint32_t i = 1; i < tree->cluster_count; ++i )
 	{
 		const lwi_batch_joint* joint = &tree->batch_joints[i];
-		const size_t at = (size_t)i * LWI_WIDTH;
-		const double *cosine = joint->rotates ? cosines + at : ones, *sine = joint->rotates ? sines + at : zeros;
-		const double* value = joint->rotates ? zeros : values + at;
 		const lwi_batch_frame* above = &frames[tree->clusters[i].parent];
 		double speed[LWI_WIDTH];
-		for ( int l = 0; l < LWI_WIDTH && speeds != NULL; ++l )
+		for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
 		{
-			speed[l] = joint->multiplier * speeds[(uint32_t)l * variables + joint->variable];
+			speed[l] = joint->multiplier * speeds[l * variables + joint->variable];
 		}
 		if ( joint->has_several_variables )
 		{
-			for ( int l = 0; l < LWI_WIDTH; ++l )
+			for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
 			{
-				pose_several( checker, i, above, l, states + (uint32_t)l * variables, speeds + (uint32_t)l * variables,
-					&frames[i] );
+				pose_several( checker, i, above, (int)l, states + l * variables, speeds + l * variables, &frames[i] );
 			}
+			continue;
 		}
-		else if ( speeds != NULL )
-		{
-			kernels->batch_frame( above, joint, cosine, sine, value, speed, &frames[i] );
-		}
-		else
-		{
-			kernels->lane_frame( above, joint, cosine, sine, value, &frames[i] );
-		}
+		const lane_values of = values_of( checker, query, i );
+		query->search.kernels->batch_frame( above, joint, of.cosine, of.sine, of.value, speed, &frames[i] );
 	}
 }
 
-void lwi_pose_lanes( const lw_checker* checker, lw_query* query )
+void lwi_lanes_stand( const lw_checker* checker, lw_query* query )
 {
-	pose_lanes( checker, query, NULL, NULL );
-}
-
-void lwi_pose_moving_lanes( const lw_checker* checker, lw_query* query, const double* states, const double* speeds )
-{
-	const lwi_cluster_tree* tree = checker->base->tree;
-	const uint32_t variables = checker->base->robot->variable_count;
-	for ( uint32_t i = 1; i < tree->cluster_count; ++i )
+	for ( uint32_t i = 0; i < checker->base->tree->cluster_count; ++i )
 	{
-		const lwi_batch_joint* joint = &tree->batch_joints[i];
-		for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
-		{
-			query->scratch.lane_values[i * LWI_WIDTH + l] =
-				joint->multiplier * states[l * variables + joint->variable] + joint->variable_offset;
-		}
+		query->search.kernels->lane_of_batch( &query->scratch.lane_frames[i], lwi_lanes_origin( checker ),
+			&query->scratch.lane_poses[i] );
 	}
-	pose_lanes( checker, query, states, speeds );
 }
 
-/// World place of the standing links: origin of the coordinates in which the robot's own spheres are compared.
-static const double* origin_of( const lw_checker* checker )
+/// A point of a cluster from the place of the standing links.
+static void pose_point( const lw_checker* checker, lw_query* query, uint32_t cluster, const double local[3], double half,
+	lwi_batch_point* out )
 {
-	return checker->base->group.reference_poses[checker->base->tree->clusters[0].root_link].t;
+	if ( half > 0 )
+	{
+		query->search.kernels->batch_point( &query->scratch.lane_frames[cluster], local, lwi_lanes_origin( checker ), half,
+			out );
+	}
+	else
+	{
+		query->search.kernels->lane_point( &query->scratch.lane_poses[cluster], local, zeros, out );
+	}
 }
 
 void lwi_pose_lane_spheres( const lw_checker* checker, lw_query* query, double half )
@@ -171,8 +224,7 @@ void lwi_pose_lane_spheres( const lw_checker* checker, lw_query* query, double h
 	{
 		if ( tree->clusters[i].body_count > 0 )
 		{
-			query->search.kernels->batch_point( &query->scratch.lane_frames[i], tree->clusters[i].r.center,
-				origin_of( checker ), half, &query->scratch.lane_spheres[i] );
+			pose_point( checker, query, i, tree->clusters[i].r.center, half, &query->scratch.lane_spheres[i] );
 		}
 	}
 }
@@ -183,8 +235,7 @@ const lwi_batch_point* lwi_lane_body( const lw_checker* checker, lw_query* query
 	lwi_batch_point* point = &query->scratch.lane_bodies[place];
 	if ( !query->scratch.lane_body_is_posed[place] )
 	{
-		const lwi_batch_frame* frame = &query->scratch.lane_frames[tree->body_cluster[tree->bodies[place]]];
-		query->search.kernels->batch_point( frame, tree->body_spheres[place].center, origin_of( checker ), half, point );
+		pose_point( checker, query, tree->body_cluster[tree->bodies[place]], tree->body_spheres[place].center, half, point );
 		query->scratch.lane_body_is_posed[place] = true;
 	}
 	return point;

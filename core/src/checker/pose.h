@@ -82,23 +82,42 @@ static inline const float* lwi_blocks( const lw_checker* checker, lw_query* quer
 
 // --- in the lanes: query->scratch ------------------------------------------------------------------------------------
 
-/// Frames of all clusters at rest, for a tree that can_batch. lane_values has the values of the joints above clusters other than 0.
+/// Poses of all clusters at rest, in float, for a tree that can_batch. lane_values has the values of the joints above clusters other than 0.
 void lwi_pose_lanes( const lw_checker* checker, lw_query* query );
 /// Frames of all clusters, and their twists.
 /// @param states, speeds [LWI_WIDTH][robot variable_count] values and derivatives; three of a floating joint's, from the quaternion's
 /// first on, are its angular velocity in the frame of the joint
 void lwi_pose_moving_lanes( const lw_checker* checker, lw_query* query, const double* states, const double* speeds );
+/// From where coordinates in the lanes are: the standing links' place in the world.
+const double* lwi_lanes_origin( const lw_checker* checker );
+/// Then the same poses at rest.
+void lwi_lanes_stand( const lw_checker* checker, lw_query* query );
 /// Then the centres of the clusters' spheres R, from the place of the standing links. Spheres of bodies are no longer posed.
-/// @param half width of half a window in t
+/// @param half width of half a window in t; 0: of clusters at rest
 void lwi_pose_lane_spheres( const lw_checker* checker, lw_query* query, double half );
 /// The centre of a body's sphere likewise, by its place in the tree; posed at the first call. @param half as there
 const lwi_batch_point* lwi_lane_body( const lw_checker* checker, lw_query* query, uint32_t place, double half );
 
-/// Lanes, of these, in which one of a few points of a body seems to be inside of an obstacle: a hint, no proof. For frames of the lanes
-/// that are posed, and a checker with a scene.
-/// @param out_unsure of the other lanes, those in which it is near an obstacle that points are not compared with, such as a mesh
-uint32_t lwi_lanes_in_contact( const lw_checker* checker, lw_query* query, uint32_t body, uint32_t lanes,
-	uint32_t* out_unsure );
+/// An obstacle of a body, and lanes in which nothing proves that they stay apart.
+typedef struct lwi_open_obstacle
+{
+	uint32_t shape;
+	uint8_t cells;
+} lwi_open_obstacle;
+
+/// Drops lanes in which a body is proved farther from an obstacle than `needed`, by their boxes and the spheres below the root of the body's tree.
+/// For poses of the lanes at rest, and a checker with a scene.
+/// @param needed metres, all roundings of poses in it; margins are added @param reach metres: no point of the body is farther from the standing
+/// links' place
+/// @param out_unsure lanes in which it is near an obstacle that points are not compared with, such as a mesh
+/// @return lanes in which one of a few points of the body seems to be inside of an obstacle: a hint, no proof
+uint32_t lwi_lanes_near_obstacles( const lw_checker* checker, lw_query* query, uint32_t body, double needed, double reach,
+	lwi_open_obstacle* obstacles, uint32_t count, uint32_t* out_unsure );
+
+/// Lanes, of these, in which the boxes of two bodies do not prove them farther apart than `needed`, as above.
+/// @param reach of both
+uint32_t lwi_lanes_near_bodies( const lw_checker* checker, lw_query* query, uint32_t body_a, uint32_t body_b, double needed,
+	double reach, uint32_t lanes );
 
 LW_EXTERN_C_END
 

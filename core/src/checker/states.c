@@ -20,14 +20,21 @@ enum
 };
 
 /// Metres of pose rounding; lanes leave states with more UNDECIDED.
-#define MOST_ROUNDING 1e-6
+#define MOST_ROUNDING 1e-3
+
+/// Roundoff of float, in units of that of double.
+#define FLOAT_ROUNDOFF 0x1p29
 
 /// A body and a primitive that its sphere meets.
 typedef struct primitive_test
 {
 	const lw_shape* shape;  ///< the body's, with a tree
 	lwi_lane_motion motion; ///< primitive_from_tree
+	lwi_convex convex;      ///< the primitive in double, of unbounded ones without sizes
 	lwi_primitive primitive;
+	bool bounded;     ///< the primitive
+	bool tree_is_all; ///< the tree holds everything at which it can touch the body
+	double slack;     ///< metres: of floats
 	float limit;
 	uint32_t lanes; ///< in which the tree is to be opened
 } primitive_test;
@@ -38,18 +45,19 @@ typedef struct lane_states
 	lw_query* query;
 	const lwi_kernels* kernels;
 	const lwi_cluster_tree* tree;
-	const lwi_batch_frame* frames; ///< [clusters]
-	double needed;                 ///< metres: distance that proves a pair, without margins and the rounding of floats
-	double reach;                  ///< metres: no point of the robot is farther from the world's origin
-	double scene_size;             ///< no coordinate of a body, or of an obstacle's box, from the scene's origin is larger
-	bool near_only;                ///< obstacles outside of near_mask are farther
-	bool covered;                  ///< the reach's tables hold in all lanes
-	bool contact_only;             ///< nothing is proved free, and a lane in contact ends all
-	uint32_t point_blocks;         ///< of a body's extreme points that are tested, at most
-	uint32_t all;                  ///< lanes with states
-	uint32_t left;                 ///< lanes not known to be blocked
-	uint32_t unsure[2];      ///< of these, lanes in which a pair with the scene, or of the robot itself, is not decided
-	primitive_test* waiting; ///< [MOST_WAITING + 1], the last for a test that does not wait
+	const lwi_lane_motion* poses; ///< [clusters] from `origin`
+	const double* origin;         ///< [3] the standing links' place in the world
+	double off;                   ///< metres: points are no farther from their places
+	double needed;                ///< metres: distance that proves a pair, without margins and the rounding of floats
+	double reach;                 ///< metres: no point of the robot is farther from `origin`
+	double scene_size;            ///< no coordinate of a body, or of an obstacle's box, from the scene's origin is larger
+	bool near_only;               ///< obstacles outside of near_mask are farther
+	bool covered;                 ///< the reach's tables hold in all lanes
+	bool contact_only;            ///< nothing is proved free, and a lane in contact ends all
+	uint32_t all;                 ///< lanes with states
+	uint32_t left;                ///< lanes not known to be blocked
+	uint32_t unsure[2];           ///< of these, lanes in which a pair with the scene, or of the robot itself, is not decided
+	primitive_test* waiting;      ///< [MOST_WAITING + 1], the last for a test that does not wait
 	uint32_t waiting_count;
 } lane_states;
 
@@ -58,8 +66,8 @@ typedef struct lane_body
 {
 	uint32_t place, body;
 	const lw_shape* shape;
-	bool posed;          ///< `pose` is valid
-	lwi_lane_frame pose; ///< world_from_tree
+	bool posed;           ///< `pose` is valid
+	lwi_lane_motion pose; ///< of its tree
 } lane_body;
 
 // --- poses -----------------------------------------------------------------------------------------------------------
@@ -84,8 +92,10 @@ static bool bound_states( lane_states* s, const double* q, uint32_t count, doubl
 		// rounding and reach grow with the size of each value
 		s->query->pose.state[base->group.variables[i]] = lwi_larger( -low, high );
 	}
-	*rounding = lwi_motion_state_rounding( base->motion, s->query->pose.state, &stretch, &reach );
-	s->reach = 2 * reach; // twice: spheres and boxes reach beyond the bodies
+	const double exact = lwi_motion_state_rounding( base->motion, s->query->pose.state, &stretch, &reach );
+	const double length = reach - lwi_length( lwi_load( s->origin ) ) + 4 * LWI_U64 * reach;
+	*rounding = exact + FLOAT_ROUNDOFF * stretch * length;
+	s->reach = 2 * length; // twice: spheres and boxes reach beyond the bodies
 	return *rounding <= MOST_ROUNDING;
 }
 
@@ -115,7 +125,7 @@ static void pose_body( const lane_states* s, lane_body* b )
 		const lw_transform* pose = &s->tree->body_poses[b->place];
 		const lw_vec3 at = lwi_transform( pose, lwi_load( b->shape->origin ) );
 		const double t[3] = { at.x, at.y, at.z };
-		s->kernels->lane_body( &s->frames[s->tree->body_cluster[b->body]], pose->r, t, &b->pose );
+		s->kernels->lane_body( &s->poses[s->tree->body_cluster[b->body]], pose->r, t, &b->pose );
 		b->posed = true;
 	}
 }
@@ -218,20 +228,20 @@ static uint32_t tree_meets( const lane_states* s, const primitive_test* q, uint3
 }
 
 /// Lanes, of these, in which a vertex of the body, or a point of a body without vertices, is inside of the primitive.
-static uint32_t points_inside( const lane_states* s, const primitive_test* q, const lwi_convex* convex, double slack,
-	uint32_t lanes )
+/// @param most blocks of points
+static uint32_t points_inside( const lane_states* s, const primitive_test* q, uint32_t most, uint32_t lanes )
 {
 	lwi_primitive inner = { .type = q->primitive.type };
 	const int sizes = inner.type == LW_SHAPE_BOX ? 3 : 2;
 	for ( int i = 0; i < sizes; ++i )
 	{
-		if ( !( convex->size[i] > slack ) )
+		if ( !( q->convex.size[i] > q->slack + s->off ) )
 		{
 			return 0;
 		}
-		inner.size[i] = lwi_round_down( convex->size[i] - slack );
+		inner.size[i] = lwi_round_down( q->convex.size[i] - q->slack - s->off );
 	}
-	const uint32_t blocks = q->shape->extreme_blocks < s->point_blocks ? q->shape->extreme_blocks : s->point_blocks;
+	const uint32_t blocks = q->shape->extreme_blocks < most ? q->shape->extreme_blocks : most;
 	return s->kernels->lane_points( &q->motion, q->shape->extreme_points, blocks, &inner, lanes );
 }
 
@@ -248,50 +258,67 @@ static bool tree_is_all( const lw_shape* body, const lwi_convex* convex, lw_shap
 		   ( type == LW_SHAPE_BOX ? fmax( longest, convex->size[2] ) : longest ) > body->sphere_radius;
 }
 
-/// A body against an obstacle that its sphere meets in these lanes.
-static void meet_obstacle( lane_states* s, lane_body* b, uint32_t shape, uint32_t lanes )
+/// What the lanes need of a body and an obstacle. @return false for obstacles that lanes do not know
+static bool make_test( const lane_states* s, lane_body* b, uint32_t shape, primitive_test* q )
 {
 	const lw_scene_shape_def* obstacle = &s->checker->scene->shapes[shape];
 	const lw_shape* solid = obstacle->shape;
 	if ( !solid->primitive || solid->type == LW_SHAPE_CONE || ( s->contact_only && solid->family != LWI_CONVEX ) )
 	{
-		s->unsure[0] |= lanes;
-		return;
+		return false;
 	}
 	pose_body( s, b );
-	const lwi_convex convex = lwi_convex_of_primitive( solid );
-	primitive_test* q = &s->waiting[s->waiting_count];
+	q->convex = lwi_convex_of_primitive( solid );
 	q->shape = b->shape;
-	s->kernels->lane_relative( &b->pose, obstacle->world_from_shape.r, obstacle->world_from_shape.t, &q->motion );
-	const bool bounded = solid->family == LWI_CONVEX;
-	const double* at = obstacle->world_from_shape.t;
-	const double slack = lwi_gap_slack( s->reach + fabs( at[0] ) + fabs( at[1] ) + fabs( at[2] ) +
-										2 * ( (double)b->shape->extent + ( bounded ? solid->sphere_radius : 0 ) ) );
+	const double* place = obstacle->world_from_shape.t;
+	const double at[3] = { place[0] - s->origin[0], place[1] - s->origin[1], place[2] - s->origin[2] };
+	s->kernels->lane_relative( &b->pose, obstacle->world_from_shape.r, at, &q->motion );
+	q->bounded = solid->family == LWI_CONVEX;
+	q->tree_is_all = tree_is_all( b->shape, &q->convex, solid->type );
+	q->slack = lwi_gap_slack( 2 * ( s->reach + fabs( at[0] ) + fabs( at[1] ) + fabs( at[2] ) ) +
+							  4 * ( (double)b->shape->extent + ( q->bounded ? solid->sphere_radius : 0 ) ) );
 	const double dilation = b->shape->family == LWI_TRIANGLES ? b->shape->radius : 0;
 	q->limit =
-		lwi_round_up( s->needed + slack + dilation + lwi_environment_margin( s->checker, b->body, obstacle->object ) );
+		lwi_round_up( s->needed + q->slack + dilation + lwi_environment_margin( s->checker, b->body, obstacle->object ) );
 	q->primitive.type = solid->type;
 	for ( int i = 0; i < 3; ++i )
 	{
-		q->primitive.size[i] = lwi_round_up( convex.size[i] );
+		q->primitive.size[i] = lwi_round_up( q->convex.size[i] );
 	}
-	lanes = bounded ? lanes & boxes_meet( s, q ) : lanes;
-	const bool all = tree_is_all( b->shape, &convex, solid->type );
-	lanes = all && lanes != 0 && s->point_blocks > HINT_BLOCKS ? root_meets( s, q, lanes ) : lanes;
-	if ( lanes != 0 && bounded )
+	return true;
+}
+
+/// Lanes, of these, in which a body is not proved away from an obstacle by their boxes, and the first spheres of its tree.
+static uint32_t bounds_meet( const lane_states* s, const primitive_test* q, uint32_t lanes )
+{
+	lanes = q->bounded ? lanes & boxes_meet( s, q ) : lanes;
+	return q->tree_is_all && lanes != 0 ? root_meets( s, q, lanes ) : lanes;
+}
+
+/// A body against an obstacle that its sphere meets in these lanes.
+static void meet_obstacle( lane_states* s, lane_body* b, uint32_t shape, uint32_t lanes )
+{
+	primitive_test* q = &s->waiting[s->waiting_count];
+	if ( !make_test( s, b, shape, q ) )
 	{
-		const uint32_t blocked = points_inside( s, q, &convex, slack, lanes );
+		s->unsure[0] |= lanes;
+		return;
+	}
+	lanes = bounds_meet( s, q, lanes );
+	if ( lanes != 0 && q->bounded )
+	{
+		const uint32_t blocked = points_inside( s, q, UINT32_MAX, lanes );
 		s->left &= ~blocked;
 		lanes &= ~blocked;
 	}
 	lanes = s->contact_only ? 0 : lanes & ~s->unsure[0];
-	if ( all && lanes != 0 && s->waiting_count < MOST_WAITING )
+	if ( q->tree_is_all && lanes != 0 && s->waiting_count < MOST_WAITING )
 	{
 		q->lanes = lanes;
 		++s->waiting_count;
 		return;
 	}
-	s->unsure[0] |= all && lanes != 0 ? tree_meets( s, q, lanes ) : lanes;
+	s->unsure[0] |= q->tree_is_all && lanes != 0 ? tree_meets( s, q, lanes ) : lanes;
 }
 
 /// Lanes in which a point comes nearer than `reach` to a half-space or plane: boxes say nothing of these.
@@ -326,7 +353,9 @@ static uint8_t* meet_boxes( const lane_states* s, uint32_t cluster, const lw_sph
 	const uint32_t blocks = block_count( s );
 	lwi_batch_point point;
 	uint8_t* near = (uint8_t*)s->query->scratch.row;
-	s->kernels->batch_point( &s->frames[cluster], sphere->center, scene->origin, 0, &point );
+	const double from[3] = { scene->origin[0] - s->origin[0], scene->origin[1] - s->origin[1],
+		scene->origin[2] - s->origin[2] };
+	s->kernels->lane_point( &s->poses[cluster], sphere->center, from, &point );
 	const double slack = lwi_gap_slack( 2 * ( s->scene_size + sphere->radius ) );
 	const double reach = sphere->radius + s->needed + ( m != NULL ? m->largest : 0 ) + slack;
 	s->kernels->lane_boxes( &point, scene->boxes, blocks, lwi_round_up( reach ), near );
@@ -361,25 +390,33 @@ static void body_environment( lane_states* s, uint32_t place )
 	}
 }
 
-uint32_t lwi_lanes_in_contact( const lw_checker* c, lw_query* query, uint32_t body, uint32_t lanes, uint32_t* out_unsure )
+uint32_t lwi_lanes_near_obstacles( const lw_checker* c, lw_query* query, uint32_t body, double needed, double reach,
+	lwi_open_obstacle* obstacles, uint32_t count, uint32_t* out_unsure )
 {
-	primitive_test test;
-	lane_states s = { .checker = c,
+	const lane_states s = { .checker = c,
 		.query = query,
 		.kernels = query->search.kernels,
 		.tree = c->base->tree,
-		.frames = query->scratch.lane_frames,
-		.reach = c->scene->extent,
-		.scene_size = c->scene->extent,
-		.near_only = 0 <= c->culling.horizon,
-		.contact_only = true,
-		.point_blocks = HINT_BLOCKS,
-		.all = lanes,
-		.left = lanes,
-		.waiting = &test };
-	body_environment( &s, c->base->tree->body_place[body] );
-	*out_unsure = s.unsure[0] & s.left;
-	return lanes & ~s.left;
+		.poses = query->scratch.lane_poses,
+		.origin = lwi_lanes_origin( c ),
+		.needed = needed,
+		.reach = reach };
+	lane_body b = { .place = s.tree->body_place[body], .body = body, .shape = lwi_shape_now( c->base->bodies[body].shape ) };
+	uint32_t met = 0;
+	*out_unsure = 0;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		primitive_test q;
+		if ( !make_test( &s, &b, obstacles[i].shape, &q ) )
+		{
+			*out_unsure |= obstacles[i].cells;
+			continue;
+		}
+		const uint32_t lanes = bounds_meet( &s, &q, obstacles[i].cells );
+		met |= lanes != 0 && met == 0 && q.bounded ? points_inside( &s, &q, HINT_BLOCKS, lanes ) : 0;
+		obstacles[i].cells = (uint8_t)lanes;
+	}
+	return met;
 }
 
 /// True if the sphere of a cluster with several bodies meets some obstacle in some lane.
@@ -430,8 +467,44 @@ static void lanes_environment( lane_states* s )
 
 // --- the robot itself ------------------------------------------------------------------------------------------------
 
-/// Lanes, of these, in which a pair of bodies (numbers within their clusters) is not proved apart by a grid.
-static uint32_t grid_leaves( const lane_states* s, const double* q, const lwi_cluster_pair* pair, uint32_t rank_a,
+/// The box around a body in the lanes: its middle and axes. @param half [3] @return the sum of these
+static double pose_box( const lw_checker* c, const lw_query* query, uint32_t body, lwi_lane_motion* out, float* half )
+{
+	const lwi_cluster_tree* tree = c->base->tree;
+	const lw_shape* shape = c->base->bodies[body].shape;
+	const lw_transform* pose = &tree->body_poses[tree->body_place[body]];
+	double middle[3], size = 0;
+	for ( int i = 0; i < 3; ++i )
+	{
+		middle[i] = 0.5 * ( shape->box_min[i] + shape->box_max[i] );
+		half[i] = lwi_round_up( 0.5 * ( shape->box_max[i] - shape->box_min[i] ) );
+		size += (double)half[i];
+	}
+	const lw_vec3 at = lwi_transform( pose, lwi_load( middle ) );
+	const double t[3] = { at.x, at.y, at.z };
+	query->search.kernels->lane_body( &query->scratch.lane_poses[tree->body_cluster[body]], pose->r, t, out );
+	return size;
+}
+
+uint32_t lwi_lanes_near_bodies( const lw_checker* c, lw_query* query, uint32_t body_a, uint32_t body_b, double needed,
+	double reach, uint32_t lanes )
+{
+	static const float middle[3] = { 0, 0, 0 };
+	lwi_lane_motion a, b, b_from_a;
+	lwi_primitive box = { .type = LW_SHAPE_BOX };
+	float half[3];
+	const double size = pose_box( c, query, body_a, &a, half ) + pose_box( c, query, body_b, &b, box.size );
+	if ( !( size < INFINITY ) ) // an unbounded one
+	{
+		return lanes;
+	}
+	query->search.kernels->lane_between( &a, &b, &b_from_a );
+	const float limit = lwi_round_up( needed + lwi_gap_slack( 2 * ( reach + size ) ) );
+	return lanes & query->search.kernels->lane_slabs( &b_from_a, middle, half, &box, limit );
+}
+
+/// Lanes, of these, in which a pair of bodies (numbers within their clusters) is not proved apart by a grid or by boxes.
+static uint32_t pair_meets( const lane_states* s, const double* q, const lwi_cluster_pair* pair, uint32_t rank_a,
 	uint32_t rank_b, uint32_t lanes )
 {
 	const lwi_cluster_tree* tree = s->tree;
@@ -449,7 +522,11 @@ static uint32_t grid_leaves( const lane_states* s, const double* q, const lwi_cl
 		const double separation = lwi_grid_at( &tree->grids.slices[slice], tree->grids.spacings, s->query->pose.state );
 		met &= separation - (double)pair->margin >= s->needed ? ~( 1u << lane ) : ~0u;
 	}
-	return met;
+	const uint32_t a = tree->bodies[tree->clusters[pair->cluster_a].first_body + rank_a],
+				   b = tree->bodies[tree->clusters[pair->cluster_b].first_body + rank_b];
+	return met == 0
+			   ? 0
+			   : lwi_lanes_near_bodies( s->checker, s->query, a, b, s->needed + (double)pair->margin, 2 * s->reach, met );
 }
 
 /// Lanes in which two spheres may be nearer than the pair's margin allows.
@@ -483,7 +560,7 @@ static void meet_clusters( lane_states* s, const double* q, const lwi_cluster_pa
 			const uint32_t met = near & ~s->unsure[1] &
 								 spheres_meet( s, pair, point_a, radius_a, lwi_lane_body( s->checker, s->query, place_b, 0 ),
 									 tree->body_spheres[place_b].radius );
-			s->unsure[1] |= met != 0 ? grid_leaves( s, q, pair, i, k, met ) : 0;
+			s->unsure[1] |= met != 0 ? pair_meets( s, q, pair, i, k, met ) : 0;
 		}
 	}
 }
@@ -533,11 +610,13 @@ static bool test_lanes( lane_states* s, const double* q, uint32_t count, lw_chec
 	{
 		take_state( s, q + (size_t)( lane < count ? lane : 0 ) * c->base->group.variable_count, lane );
 	}
+	s->off = 2 * rounding;
 	s->needed = above + 4 * rounding;
 	if ( c->scene != NULL )
 	{
 		const double* origin = c->scene->origin;
-		s->scene_size = s->reach + fabs( origin[0] ) + fabs( origin[1] ) + fabs( origin[2] ) + c->scene->extent;
+		s->scene_size = s->reach + fabs( origin[0] - s->origin[0] ) + fabs( origin[1] - s->origin[1] ) +
+						fabs( origin[2] - s->origin[2] ) + c->scene->extent;
 	}
 	lwi_pose_lanes( c, s->query );
 	if ( ( flags & LW_CHECK_ENVIRONMENT ) != 0 )
@@ -547,7 +626,8 @@ static bool test_lanes( lane_states* s, const double* q, uint32_t count, lw_chec
 		lanes_environment( s );
 		s->waiting = NULL;
 	}
-	if ( ( flags & LW_CHECK_SELF ) != 0 && !c->self_unchanged && s->left != 0 )
+	// contact with itself is not looked for
+	if ( ( flags & LW_CHECK_SELF ) != 0 && !c->self_unchanged && s->left != 0 && !s->contact_only )
 	{
 		lanes_self( s, q );
 	}
@@ -570,9 +650,9 @@ static lane_states test_block( const lw_checker* c, lw_query* query, const doubl
 		.query = query,
 		.kernels = query->search.kernels,
 		.tree = c->base->tree,
-		.frames = query->scratch.lane_frames,
+		.poses = query->scratch.lane_poses,
+		.origin = lwi_lanes_origin( c ),
 		.contact_only = contact_only,
-		.point_blocks = UINT32_MAX,
 		.all = lwi_low_bits( count ),
 		.left = lwi_low_bits( count ) };
 	if ( !has_lanes( c, flags, min_d ) || !test_lanes( &s, q, count, flags, min_d ) )

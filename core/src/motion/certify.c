@@ -48,7 +48,7 @@ void lwi_edge_begin_pairs( lwi_edge* e )
 		e->pairs.need[self] = e->def->min_d + e->pairs.rounding[self] + LWI_SLACK_SHARE * e->pairs.slack[self];
 	}
 	e->pairs.close = 0;
-	e->pairs.count = 0;
+	e->pairs.count = e->pairs.obstacle_count = 0;
 }
 
 /// True if the pair has a slack of its own, and the edge has not used up def->close_windows.
@@ -123,9 +123,13 @@ bool lwi_edge_grid_proves( lwi_edge* e, const lwi_grid_slice* slice, uint32_t bo
 
 // ---- proofs in a window ----------------------------------------------------------------------------------------------
 
-/// Clearance of a pair at the posed state. @return false if there is no answer
+/// Clearance of a pair at the state that was counted last. @return false if there is no answer
 static bool clearance_of( lwi_edge* e, const lwi_edge_pair* pair, const lw_range* range, lw_clearance* out )
 {
+	if ( !lwi_edge_pose( e, e->poses.counted_t ) )
+	{
+		return false;
+	}
 	const uint32_t id = pair_id( e->checker, pair );
 	lwi_cached_pair* nearest = &e->memory->pair_cache[pair->pair_cache];
 	e->query->search.failure = LW_OK;
@@ -146,8 +150,9 @@ static bool clearance_of( lwi_edge* e, const lwi_edge_pair* pair, const lw_range
 /// measured.
 static lwi_edge_plane_result try_planes( lwi_edge* e, const lwi_edge_pair* pair, const lwi_window_motion motion[2] )
 {
-	const lwi_edge_plane_result by = lwi_edge_plane_test( e, pair, motion, need_of( e, pair ) );
-	if ( by == LWI_EDGE_PROVED )
+	bool some;
+	const lwi_edge_plane_result by = lwi_edge_plane_test( e, pair, motion, need_of( e, pair ), &some );
+	if ( some )
 	{
 		note_proof( e, LWI_SLACK_SHARE * lwi_smaller( e->def->slack, slack_of( e, pair ) ) * LWI_EDGE_INWARD );
 	}
@@ -206,10 +211,11 @@ static bool is_proved( lwi_edge* e, const lwi_edge_pair* pair, double loss, lwi_
 lwi_edge_sample lwi_edge_certify( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_window window )
 {
 	lwi_edge_sample s = { .low = true, .clearance = lw_clearance_unknown() };
-	if ( e->out->queries >= e->work.most_states || !lwi_edge_pose( e, window.t ) )
+	if ( e->out->queries >= e->work.most_states )
 	{
 		return s;
 	}
+	lwi_edge_count_state( e, window.t );
 	const lwi_window_motion motion[2] = { lwi_window_motion_of( pair, 0, window ), lwi_window_motion_of( pair, 1, window ) };
 	const lwi_edge_plane_result by = try_planes( e, pair, motion );
 	if ( by != LWI_EDGE_MEASURE )

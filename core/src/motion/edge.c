@@ -69,6 +69,7 @@ static size_t lay_out( lwi_edge* e, void* memory )
 	e->pairs.capacity = c->base->moving_body_count + c->base->self.pair_count;
 	e->work.capacity = 4 * e->pairs.capacity + SPARE_WINDOWS;
 	e->pairs.all = lwi_arena_take( &arena, e->pairs.capacity, sizeof( lwi_edge_pair ) );
+	e->pairs.obstacles = lwi_arena_take( &arena, LWI_EDGE_OBSTACLES, sizeof( lwi_open_obstacle ) );
 	e->work.windows = lwi_arena_take( &arena, e->work.capacity, sizeof( lwi_open_window ) );
 	return arena.used;
 }

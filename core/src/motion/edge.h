@@ -9,6 +9,7 @@
 
 #include "checker/checker.h"
 #include "checker/clusters.h"
+#include "checker/pose.h"
 #include "motion/tuned.h"
 #include "query/query.h"
 #include "distance/separation.h"
@@ -22,7 +23,8 @@ enum
 	LWI_EDGE_CACHE = 1 << LWI_EDGE_CACHE_BITS, ///< places for nearest pairs and for planes, by a hash
 	LWI_PATH_MOST_DEPTH = 38,                  ///< of halving a curve; ends of pieces are exact in double
 	LWI_GATE_LEVEL = 3,                        ///< of halving, at which windows are the LWI_WIDTH lanes of the gate
-	LWI_EDGE_FRAME_BITS = 2,
+	LWI_EDGE_OBSTACLES = 4096,                 ///< places for obstacles of pairs that the gate leaves open
+	LWI_EDGE_FRAME_BITS = 4,
 	LWI_EDGE_FRAMES = 1 << LWI_EDGE_FRAME_BITS
 };
 
@@ -76,11 +78,12 @@ typedef struct lwi_edge_pair
 	uint32_t body[2];  ///< robot bodies; [1] = LW_INVALID_INDEX: the scene
 	uint32_t ancestor; ///< cluster in whose frame motions are given; 0 for the scene
 	lwi_motion_rate rate[2];
-	double tube[2];      ///< metres: of motions within the tolerance, see lwi_motion_tube_of()
-	uint32_t pair_cache; ///< index into `pair_cache`
-	uint8_t cells;       ///< of LWI_WIDTH, not proved by the gate
-	uint8_t skip;        ///< halvings before it is measured: its bodies bend too much in wider windows
-	double slack;        ///< metres: the edge's, or less once a clearance was found to be within that
+	double tube[2];                          ///< metres: of motions within the tolerance, see lwi_motion_tube_of()
+	uint32_t pair_cache;                     ///< index into `pair_cache`
+	uint8_t cells;                           ///< of LWI_WIDTH, not proved by the gate
+	uint8_t skip;                            ///< halvings before it is measured: its bodies bend too much in wider windows
+	uint32_t first_obstacle, obstacle_count; ///< in lwi_edge_pairs.obstacles; LW_INVALID_INDEX: no room
+	double slack;                            ///< metres: the edge's, or less once a clearance was found to be within that
 } lwi_edge_pair;
 
 static inline bool lwi_edge_pair_is_self( const lwi_edge_pair* pair )
@@ -94,6 +97,7 @@ static inline bool lwi_edge_pair_is_self( const lwi_edge_pair* pair )
 typedef struct lwi_edge_window
 {
 	double t, half;
+	uint8_t cells, whole_cells; ///< of the LWI_WIDTH of the gate: those that it touches, those that lie in it
 } lwi_edge_window;
 
 /// Poses of a cluster in the middle of a window and at its ends, seen from another cluster above it.
@@ -121,6 +125,7 @@ typedef struct lwi_window_motion
 typedef struct lwi_edge_poses
 {
 	double posed_t;              ///< the state the query is posed at; NaN if none
+	double counted_t;            ///< the state that was counted last
 	lwi_window_poses windows[2]; ///< the last two computed
 	int last;
 	double* frame_t;           ///< [LWI_EDGE_FRAMES] states whose cluster poses are kept; NaN: unused
@@ -135,6 +140,8 @@ typedef struct lwi_edge_poses
 /// Pairs that the gate left open, what proves them, and the least that did. Owner: motion/certify.c.
 typedef struct lwi_edge_pairs
 {
+	lwi_open_obstacle* obstacles; ///< [LWI_EDGE_OBSTACLES] of all pairs with the scene, one pair after the other
+	uint32_t obstacle_count;
 	lwi_edge_pair* all; ///< [capacity]
 	uint32_t count, capacity;
 	double rounding[2]; ///< metres: subtracted from a lower bound of a pair's clearance; [1] of a self pair
@@ -216,6 +223,14 @@ typedef struct lwi_lane_bound
 	double deviation; ///< metres: from motion with the velocities in the middle, the tube not included
 } lwi_lane_bound;
 
+/// Where a collision is likely: windows of the gate, by their middles.
+typedef struct lwi_edge_hints
+{
+	uint32_t next;              ///< bodies of clusters from here on were compared with the scene
+	uint32_t met;               ///< windows with a point of a body inside of an obstacle
+	uint32_t unsure[LWI_WIDTH]; ///< number of bodies near obstacles that points are not compared with, such as meshes
+} lwi_edge_hints;
+
 /// Scratch for curves that are made for a query one after the other. The query's own questions do not use it.
 typedef struct lwi_edge_room
 {
@@ -238,6 +253,7 @@ typedef struct lwi_edge
 	lwi_edge_memory* memory;           ///< of this edge and the ones before. Owner: motion/planes.c
 	double *lane_states, *lane_speeds; ///< [LWI_WIDTH][robot variable_count] scratch of motion/gate.c
 	lwi_lane_bound* lane_bounds;       ///< [clusters] scratch of motion/gate.c
+	lwi_edge_hints hints;              ///< Owner: motion/gate.c
 	lwi_edge_room room;                ///< of others than this edge
 	bool failed;                       ///< a state could not be posed or measured
 	lw_status failure;                 ///< why, if it was not the state: a deferred mesh
@@ -305,6 +321,9 @@ void lwi_edge_forget_poses( lwi_edge* edge );
 /// Notes at which state somebody else has posed the query; NaN: at none.
 void lwi_edge_set_posed( lwi_edge* edge, double t );
 
+/// Counts the state at t as one that is looked at, unless it was the last.
+void lwi_edge_count_state( lwi_edge* edge, double t );
+
 /// Poses the query at t. @return false if that failed; edge->failed is set
 bool lwi_edge_pose( lwi_edge* edge, double t );
 
@@ -326,15 +345,20 @@ void lwi_window_swept( lwi_edge* edge, const lwi_window_motion* motion, lwi_swep
 
 // --- motion/gate.c --------------------------------------------------------------------------------------------------------
 
-/// All bodies in eight windows of [0, edge->work.end] at once, by their spheres. Pairs not proved become the edge's pairs, with their cells.
-void lwi_edge_gate( lwi_edge* edge );
+/// Begins the gate: all bodies in eight windows of [0, edge->work.end] at once, by their spheres and boxes.
+void lwi_edge_gate_begin( lwi_edge* edge );
+
+/// Goes on with it. Pairs not proved become the edge's pairs, with their cells.
+/// @param to_the_end false: a body that seems to be inside of an obstacle ends the call @return true at the end
+bool lwi_edge_gate( lwi_edge* edge, bool to_the_end );
 
 // --- motion/planes.c ------------------------------------------------------------------------------------------------------
 
-/// Searches for planes that prove a pair during a window, at whose middle the query is posed.
+/// Searches for planes that prove a pair during a window. Obstacles that they prove are tested no more in that part.
 /// @param motion of its bodies; [1] is not read for the scene @param need clearance that proves the pair without motion, margins excluded
+/// @param out_some true: they proved the pair, or one of its obstacles
 lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* edge, const lwi_edge_pair* pair, const lwi_window_motion motion[2],
-	double need );
+	double need, bool* out_some );
 
 // --- motion/certify.c -----------------------------------------------------------------------------------------------------
 

@@ -14,6 +14,11 @@
 /// Radians in half a window, all joints together: beyond, the rounding of directions is not bounded.
 #define MOST_ROTATION 1.0
 
+enum
+{
+	LONG_LEVEL = 2 ///< of halving: the widest windows of pairs that go far
+};
+
 typedef struct gate
 {
 	lwi_edge* e;
@@ -27,24 +32,29 @@ typedef struct gate
 	bool covered;                    ///< tables hold along the path
 } gate;
 
-/// Windows in which bodies leave the lines between their poses too far are not measured.
+/// Halvings before a pair is measured: not in windows in which its bodies go far or leave the lines between their poses too far, except where
+/// distances prove every pair that is not given up.
 static uint8_t halvings_before( const gate* g, const lwi_edge_pair* pair )
 {
+	const lwi_edge* e = g->e;
 	uint8_t skip = 0;
-	double half = 0.5 * g->e->work.end;
-	while ( skip < LWI_EDGE_MAX_DEPTH &&
-			!( lwi_chord_error_of( pair->rate[0], half ).max + lwi_chord_error_of( pair->rate[1], half ).max <
-				LWI_MOST_DEVIATION ) )
+	double half = 0.5 * e->work.end;
+	for ( ; skip < LWI_EDGE_MAX_DEPTH; ++skip, half *= 0.5 )
 	{
-		half *= 0.5;
-		++skip;
+		const bool goes_far = skip < LONG_LEVEL && ( pair->rate[0].path + pair->rate[1].path ) * half > LWI_LONG_PATH &&
+							  e->path.longest * half > pair->slack;
+		const double deviation =
+			lwi_chord_error_of( pair->rate[0], half ).max + lwi_chord_error_of( pair->rate[1], half ).max;
+		if ( !goes_far && deviation < LWI_MOST_DEVIATION )
+		{
+			break;
+		}
 	}
 	return skip;
 }
 
-static void add_pair( const gate* g, uint32_t body_a, uint32_t body_b, uint32_t ancestor, uint32_t lanes )
+static void add_pair( const gate* g, lwi_edge_pair pair )
 {
-	const lwi_edge_pair pair = { .body = { body_a, body_b }, .ancestor = ancestor, .cells = (uint8_t)lanes };
 	lwi_edge_pair* added = lwi_edge_add_pair( g->e, pair );
 	added->skip = halvings_before( g, added );
 }
@@ -103,6 +113,7 @@ static void pose_lanes( gate* g )
 			e->lane_speeds + l * variables );
 	}
 	lwi_pose_moving_lanes( e->checker, e->query, e->lane_states, e->lane_speeds );
+	lwi_lanes_stand( e->checker, e->query );
 	lwi_pose_lane_spheres( e->checker, e->query, g->half );
 	for ( uint32_t i = 0; i < g->tree->cluster_count; ++i )
 	{
@@ -247,9 +258,10 @@ static uint32_t near_cluster( const gate* g, uint32_t cluster, query_sphere* out
 	return count;
 }
 
-/// Lanes in which a body is near some of these obstacles. @param own its query sphere, if the obstacles were found near that
-static uint32_t near_body( const gate* g, uint32_t place, const lwi_candidate* obstacles, uint32_t count,
-	const query_sphere* own )
+/// Lists the obstacles, of these, that a body's sphere is near, at the end of the edge's. @param own its query sphere, if the obstacles were
+/// found near that @param lanes in which it is near some @return false if there is no room for them
+static bool list_obstacles( const gate* g, uint32_t place, const lwi_candidate* obstacles, uint32_t count,
+	const query_sphere* own, uint32_t* lanes )
 {
 	const lw_checker* c = g->e->checker;
 	const lwi_margins* m = c->margins;
@@ -258,29 +270,89 @@ static uint32_t near_body( const gate* g, uint32_t place, const lwi_candidate* o
 	const float* row = m != NULL ? m->body_row[body] : NULL;
 	const query_sphere s =
 		own != NULL ? *own : make_query_sphere( g, cluster, &g->tree->body_spheres[place], m != NULL ? m->bodies[body] : 0 );
-	uint32_t met = 0;
-	for ( uint32_t i = 0; i < count && met != 0xffu; ++i )
+	lwi_edge_pairs* pairs = &g->e->pairs;
+	bool room = true;
+	*lanes = 0;
+	for ( uint32_t i = 0; i < count; ++i )
 	{
-		const uint32_t shape = obstacles[i].pair, lanes = (uint32_t)obstacles[i].gap & ~met;
-		if ( ( ( mask[shape / LWI_WIDTH] >> ( shape % LWI_WIDTH ) ) & 1 ) == 0 || lanes == 0 )
+		const uint32_t shape = obstacles[i].pair;
+		uint32_t met = (uint32_t)obstacles[i].gap;
+		if ( ( ( mask[shape / LWI_WIDTH] >> ( shape % LWI_WIDTH ) ) & 1 ) == 0 )
 		{
 			continue;
 		}
-		met |= own != NULL ? lanes : meets_obstacle( g, &s, shape, row != NULL ? (double)row[shape] : 0 ) & lanes;
+		met = own != NULL ? met : meets_obstacle( g, &s, shape, row != NULL ? (double)row[shape] : 0 ) & met;
+		*lanes |= met;
+		room = room && ( met == 0 || pairs->obstacle_count < LWI_EDGE_OBSTACLES );
+		if ( met != 0 && room )
+		{
+			pairs->obstacles[pairs->obstacle_count++] = ( lwi_open_obstacle ){ shape, (uint8_t)met };
+		}
 	}
-	return met;
+	return room;
 }
 
-static void test_environment( const gate* g )
+/// Drops lanes of the listed obstacles from `first` on that a body's box proves by (3): the boxes are at the middles of the windows, and the
+/// body's path is its loss. @return lanes that are left
+static uint32_t drop_lanes( const gate* g, uint32_t body, uint32_t first )
+{
+	lwi_edge* e = g->e;
+	const uint32_t cluster = g->tree->body_cluster[body];
+	const double needed = e->pairs.need[0] + g->rounding + tube_in_scene( g, cluster ) +
+						  rate_of( g, cluster ).path * g->half * LWI_EDGE_OUTWARD;
+	uint32_t unsure, lanes = 0, kept = first;
+	e->hints.met |= lwi_lanes_near_obstacles( e->checker, e->query, body, needed, 2 * e->lane_bounds[cluster].size,
+		e->pairs.obstacles + first, e->pairs.obstacle_count - first, &unsure );
+	for ( ; unsure != 0; unsure &= unsure - 1 )
+	{
+		++e->hints.unsure[lwi_lowest_bit( unsure )];
+	}
+	for ( uint32_t i = first; i < e->pairs.obstacle_count; ++i )
+	{
+		const lwi_open_obstacle obstacle = e->pairs.obstacles[i];
+		lanes |= obstacle.cells;
+		e->pairs.obstacles[kept] = obstacle;
+		kept += obstacle.cells != 0 ? 1 : 0;
+	}
+	e->pairs.obstacle_count = kept;
+	return lanes;
+}
+
+/// A body near some of these obstacles becomes a pair. @param own as for list_obstacles()
+static void test_body( const gate* g, uint32_t place, const lwi_candidate* obstacles, uint32_t count,
+	const query_sphere* own )
+{
+	lwi_edge_pairs* pairs = &g->e->pairs;
+	const uint32_t first = pairs->obstacle_count, body = g->tree->bodies[place];
+	uint32_t lanes;
+	const bool listed = list_obstacles( g, place, obstacles, count, own, &lanes );
+	if ( !listed )
+	{
+		pairs->obstacle_count = first;
+	}
+	else if ( lanes != 0 )
+	{
+		lanes = drop_lanes( g, body, first );
+	}
+	if ( lanes != 0 )
+	{
+		add_pair( g, ( lwi_edge_pair ){ .body = { body, LW_INVALID_INDEX },
+						 .ancestor = 0,
+						 .cells = (uint8_t)lanes,
+						 .first_obstacle = first,
+						 .obstacle_count = listed ? pairs->obstacle_count - first : LW_INVALID_INDEX } );
+	}
+}
+
+/// @return false if it ends at a body that seems to be in contact
+static bool test_environment( const gate* g, bool to_the_end )
 {
 	lwi_edge* e = g->e;
 	const lw_checker* c = e->checker;
-	if ( ( e->def->flags & LW_CHECK_ENVIRONMENT ) == 0 || c->environment.pair_count == 0 )
+	const bool asked = ( e->def->flags & LW_CHECK_ENVIRONMENT ) != 0 && c->environment.pair_count > 0;
+	while ( asked && e->hints.next > 1 ) // hands, which move most, first
 	{
-		return;
-	}
-	for ( uint32_t i = g->tree->cluster_count; i-- > 1; ) // hands move most
-	{
+		const uint32_t i = --e->hints.next;
 		const lwi_cluster* n = &g->tree->clusters[i];
 		if ( ( c->environment.clusters[i] & LWI_CLUSTER_CHECKED ) == 0 )
 		{
@@ -291,14 +363,14 @@ static void test_environment( const gate* g )
 		lwi_edge_note_proof( e );
 		for ( uint32_t k = n->first_body; count > 0 && k < n->first_body + n->body_count; ++k )
 		{
-			const uint32_t lanes =
-				near_body( g, k, e->query->scratch.candidates, count, n->body_count == 1 ? &of_cluster : NULL );
-			if ( lanes != 0 )
-			{
-				add_pair( g, g->tree->bodies[k], LW_INVALID_INDEX, 0, lanes );
-			}
+			test_body( g, k, e->query->scratch.candidates, count, n->body_count == 1 ? &of_cluster : NULL );
+		}
+		if ( e->hints.met != 0 && !to_the_end )
+		{
+			return false;
 		}
 	}
+	return true;
 }
 
 // --- the robot itself ------------------------------------------------------------------------------------------------
@@ -328,14 +400,32 @@ static uint32_t points_meet( const gate* g, const cluster_pair* c, const lwi_bat
 	return g->tested ? g->kernels->batch_pair( a, b, lwi_round_up( c->reach + radius_a + radius_b ) ) : 0xffu;
 }
 
+/// Lanes, of these, in which the boxes of two bodies do not prove by (3) that they stay apart.
+static uint32_t boxes_meet( const gate* g, const cluster_pair* c, uint32_t body_a, uint32_t body_b, uint32_t lanes )
+{
+	const lwi_edge* e = g->e;
+	const uint32_t a = c->pair->cluster_a, b = c->pair->cluster_b;
+	const uint32_t above = g->tree->clusters[c->pair->ancestor].root_link;
+	const lwi_motion_table* motion = e->checker->base->motion;
+	const double path =
+		lwi_motion_of( motion, e->path.motion, a, above ).path + lwi_motion_of( motion, e->path.motion, b, above ).path;
+	const double needed =
+		e->pairs.need[1] + 2 * g->rounding + c->tube + (double)c->pair->margin + path * g->half * LWI_EDGE_OUTWARD;
+	return lwi_lanes_near_bodies( e->checker, e->query, body_a, body_b, needed,
+		2 * ( e->lane_bounds[a].size + e->lane_bounds[b].size ), lanes );
+}
+
 static void add_self_pair( const gate* g, const cluster_pair* c, uint32_t a, uint32_t b, uint32_t lanes )
 {
 	const uint32_t first = g->tree->bodies[a], second = g->tree->bodies[b],
 				   index = (uint32_t)( c->pair - g->tree->self.pairs );
 	const lwi_grid_slice* slice = g->covered ? lwi_checker_slice( g->tree, index, first, second ) : NULL;
-	if ( !lwi_edge_grid_proves( g->e, slice, first, second, c->tube ) )
+	lanes = lwi_edge_grid_proves( g->e, slice, first, second, c->tube ) ? 0 : boxes_meet( g, c, first, second, lanes );
+	if ( lanes != 0 )
 	{
-		add_pair( g, first < second ? first : second, first < second ? second : first, c->pair->ancestor, lanes );
+		add_pair( g, ( lwi_edge_pair ){ .body = { first < second ? first : second, first < second ? second : first },
+						 .ancestor = c->pair->ancestor,
+						 .cells = (uint8_t)lanes } );
 	}
 }
 
@@ -392,10 +482,10 @@ static void test_self( const gate* g )
 	}
 }
 
-void lwi_edge_gate( lwi_edge* e )
+static gate make_gate( lwi_edge* e )
 {
 	const double half = 0.5 * e->work.end / LWI_WIDTH;
-	gate g = { .e = e,
+	return ( gate ){ .e = e,
 		.kernels = e->query->search.kernels,
 		.tree = e->checker->base->tree,
 		.frames = e->query->scratch.lane_frames,
@@ -404,7 +494,22 @@ void lwi_edge_gate( lwi_edge* e )
 		.rounding = 2 * lwi_motion_rounding( e->path.motion ),
 		.tested = lwi_motion_rotation( e->path.motion ) * half <= MOST_ROTATION,
 		.covered = lwi_path_is_covered( e ) };
+}
+
+void lwi_edge_gate_begin( lwi_edge* e )
+{
+	gate g = make_gate( e );
+	e->hints = ( lwi_edge_hints ){ .next = g.tree->cluster_count };
 	pose_lanes( &g );
-	test_environment( &g );
+}
+
+bool lwi_edge_gate( lwi_edge* e, bool to_the_end )
+{
+	const gate g = make_gate( e );
+	if ( !test_environment( &g, to_the_end ) )
+	{
+		return false;
+	}
 	test_self( &g );
+	return true;
 }

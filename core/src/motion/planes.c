@@ -360,16 +360,26 @@ static lwi_edge_plane_result test_self( plane_test s )
 	return planes ? find_planes( &s, key, margin ) : LWI_EDGE_MEASURE;
 }
 
-/// All obstacles that are near the body's sphere.
-static lwi_edge_plane_result test_scene( plane_test s )
+static lwi_edge_plane_result test_obstacle( plane_test* s, uint32_t index )
+{
+	const lw_checker* c = s->edge->checker;
+	const lw_scene_shape_def* obstacle = &c->scene->shapes[index];
+	lwi_swept_poses_static( s->b, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape );
+	const double margin = lwi_environment_margin( c, s->pair->body[0], obstacle->object );
+	const uint64_t key = obstacle_key( c, s->pair->body[0], index );
+	const bool planes = has_planes( s );
+	if ( planes && known_planes_hold( s, key, margin ) )
+	{
+		return LWI_EDGE_PROVED;
+	}
+	return planes ? find_planes( s, key, margin ) : LWI_EDGE_MEASURE;
+}
+
+/// The obstacles that the gate found, each until it is proved.
+static lwi_edge_plane_result test_scene( plane_test s, bool* out_some )
 {
 	lwi_edge* e = s.edge;
-	const lw_checker* c = e->checker;
-	const uint32_t body = s.pair->body[0];
-	lw_sphere center = c->base->tree->body_spheres[c->base->tree->body_place[body]];
-	center.radius = 0;
-	const double displacement = lwi_window_displacement( e, &s.motion[0], &center ) * LWI_EDGE_OUTWARD;
-	const uint32_t count = lwi_checker_near_obstacles( c, e->query, body, s.need + displacement );
+	const lwi_edge_window window = s.motion[0].window;
 	lwi_cloud cloud;
 	cloud.made = false;
 	lwi_swept_poses poses, fixed;
@@ -377,27 +387,29 @@ static lwi_edge_plane_result test_scene( plane_test s )
 	s.a = &poses;
 	s.b = &fixed;
 	lwi_window_swept( e, &s.motion[0], &poses );
-	lwi_edge_plane_result worst = LWI_EDGE_PROVED;
-	for ( uint32_t i = 0; i < count && worst != LWI_EDGE_MEASURE; ++i )
+	lwi_edge_plane_result worst = s.pair->obstacle_count == LW_INVALID_INDEX ? LWI_EDGE_MEASURE : LWI_EDGE_PROVED;
+	for ( uint32_t i = 0; worst != LWI_EDGE_MEASURE && i < s.pair->obstacle_count; ++i )
 	{
-		const uint32_t index = e->query->scratch.candidates[i].pair;
-		const lw_scene_shape_def* obstacle = &c->scene->shapes[index];
-		lwi_swept_poses_static( &fixed, lwi_shape_now( obstacle->shape ), &obstacle->world_from_shape );
-		const double margin = lwi_environment_margin( c, body, obstacle->object );
-		const uint64_t key = obstacle_key( c, body, index );
-		const bool planes = has_planes( &s );
-		if ( !planes || !known_planes_hold( &s, key, margin ) )
+		lwi_open_obstacle* obstacle = &e->pairs.obstacles[s.pair->first_obstacle + i];
+		if ( ( obstacle->cells & window.cells ) == 0 )
 		{
-			const lwi_edge_plane_result now = planes ? find_planes( &s, key, margin ) : LWI_EDGE_MEASURE;
-			worst = now > worst ? now : worst;
+			continue;
 		}
+		const lwi_edge_plane_result now = test_obstacle( &s, obstacle->shape );
+		if ( now == LWI_EDGE_PROVED )
+		{
+			*out_some = true;
+			obstacle->cells = (uint8_t)( obstacle->cells & ~window.whole_cells );
+		}
+		worst = now > worst ? now : worst;
 	}
 	return worst;
 }
 
 lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pair, const lwi_window_motion motion[2],
-	double need )
+	double need, bool* out_some )
 {
+	*out_some = false;
 	if ( !( motion[0].window.half > 0 ) )
 	{
 		return LWI_EDGE_MEASURE;
@@ -407,5 +419,7 @@ lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* e, const lwi_edge_pair* pai
 		.motion = motion,
 		.need = need,
 		.deviation = motion[0].deviation + motion[1].deviation };
-	return lwi_edge_pair_is_self( pair ) ? test_self( s ) : test_scene( s );
+	const lwi_edge_plane_result result = lwi_edge_pair_is_self( pair ) ? test_self( s ) : test_scene( s, out_some );
+	*out_some = *out_some || result == LWI_EDGE_PROVED;
+	return result;
 }

@@ -8,6 +8,10 @@
 /// Metres. A pair is first measured in windows in which its bodies deviate less from the lines between their poses.
 #define LWI_MOST_DEVIATION 0.05
 
+/// Metres. Nor is it in windows wider than quarters while its bodies' paths in half of one are longer than this together: most that these
+/// prove, the gate's boxes have proved.
+#define LWI_LONG_PATH 0.1
+
 /// Metres. A piece of a curve that bends more is halved at once.
 #define LWI_MOST_BEND 0.15
 

@@ -12,6 +12,12 @@
 
 // ---- the query's state -----------------------------------------------------------------------------------------------
 
+void lwi_edge_count_state( lwi_edge* e, double t )
+{
+	e->out->queries += t == e->poses.counted_t ? 0 : 1;
+	e->poses.counted_t = t;
+}
+
 bool lwi_edge_pose( lwi_edge* e, double t )
 {
 	if ( t == e->poses.posed_t )
@@ -25,7 +31,6 @@ bool lwi_edge_pose( lwi_edge* e, double t )
 		return false;
 	}
 	e->poses.posed_t = t;
-	++e->out->queries;
 	return true;
 }
 
@@ -36,7 +41,7 @@ void lwi_edge_set_posed( lwi_edge* e, double t )
 
 void lwi_edge_forget_poses( lwi_edge* e )
 {
-	e->poses.posed_t = NAN;
+	e->poses.posed_t = e->poses.counted_t = NAN;
 	for ( int i = 0; i < 2; ++i )
 	{
 		e->poses.windows[i].cluster = LW_INVALID_INDEX;
@@ -52,6 +57,7 @@ bool lwi_edge_measure_path( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
 	const double t = e->path.longest > 0 ? 0.5 : 1; // nothing moves: the given state
+	lwi_edge_count_state( e, t );
 	if ( !lwi_edge_pose( e, t ) )
 	{
 		return false;

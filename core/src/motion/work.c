@@ -22,10 +22,14 @@ static lwi_edge_window place_of( const lwi_edge* e, const lwi_open_window* w )
 {
 	if ( !( e->path.longest > 0 ) )
 	{
-		return ( lwi_edge_window ){ 1, 0 }; // nothing moves: one state, the given one
+		return ( lwi_edge_window ){ 1, 0, 0xff, 0xff }; // nothing moves: one state, the given one
 	}
 	const double width = ldexp( e->work.end, -(int)w->level );
-	return ( lwi_edge_window ){ ( (double)w->cell + 0.5 ) * width, 0.5 * width };
+	const int finer = LWI_GATE_LEVEL - (int)w->level;
+	const uint32_t cells =
+		finer >= 0 ? ( ( 1u << ( 1 << finer ) ) - 1 ) << ( w->cell << finer ) : 1u << ( w->cell >> -finer );
+	return ( lwi_edge_window ){ ( (double)w->cell + 0.5 ) * width, 0.5 * width, (uint8_t)cells,
+		(uint8_t)( finer >= 0 ? cells : 0 ) };
 }
 
 void lwi_work_begin( lwi_edge* e, double end, bool from_left )
@@ -122,7 +126,7 @@ bool lwi_edge_state_is_free( lwi_edge* e, double t )
 {
 	bool free;
 	lw_state_reason reason;
-	e->out->queries += t == e->poses.posed_t ? 0 : 1;
+	lwi_edge_count_state( e, t );
 	lwi_edge_set_posed( e, NAN );
 	if ( lw_checker_is_free( e->checker, e->query, lwi_path_state( e, t ), e->def->flags, e->def->min_d, &free, &reason ) !=
 		 LW_OK )
@@ -171,32 +175,37 @@ static bool probe_close( lwi_edge* e )
 	return e->work.from_left || e->pairs.close == 0 || probe_states( e ); // a run ends before a collision that is known
 }
 
-/// Looks at the middles of the gate's windows, whose lanes are posed, for points of open bodies inside of obstacles. Tests the first
-/// such state, or else the middle in which most bodies may touch obstacles that points do not tell. @return false if it is in collision
-static bool look_at_lanes( lwi_edge* e )
+static bool middle_is_free( lwi_edge* e, uint32_t lane )
 {
-	uint32_t met = 0, counts[LWI_WIDTH] = { 0 }, lane = 0;
-	for ( uint32_t i = 0; i < e->pairs.count && met == 0; ++i )
-	{
-		const lwi_edge_pair* pair = &e->pairs.all[i];
-		if ( lwi_edge_pair_is_self( pair ) )
-		{
-			continue;
-		}
-		uint32_t unsure;
-		met = lwi_lanes_in_contact( e->checker, e->query, pair->body[0], pair->cells, &unsure );
-		for ( ; unsure != 0; unsure &= unsure - 1 )
-		{
-			++counts[lwi_lowest_bit( unsure )];
-		}
-	}
+	return lwi_edge_state_is_free( e, e->work.end * ( ( lane + 0.5 ) / LWI_WIDTH ) );
+}
+
+/// Tests the first middle in which a body seems to be inside of an obstacle. @return false if it is not free
+static bool probe_met( lwi_edge* e )
+{
+	return middle_is_free( e, lwi_lowest_bit( e->hints.met ) );
+}
+
+/// Tests the middle in which most bodies may touch obstacles that points do not tell. @return false if it is not free
+static bool probe_unsure( lwi_edge* e )
+{
+	uint32_t lane = 0;
 	for ( uint32_t i = 1; i < LWI_WIDTH; ++i )
 	{
-		lane = counts[i] > counts[lane] ? i : lane;
+		lane = e->hints.unsure[i] > e->hints.unsure[lane] ? i : lane;
 	}
-	const bool worth = met != 0 || counts[lane] >= LWI_PROBE_BODIES;
-	lane = met != 0 ? lwi_lowest_bit( met ) : lane;
-	return !worth || lwi_edge_state_is_free( e, e->work.end * ( ( lane + 0.5 ) / LWI_WIDTH ) );
+	return e->hints.unsure[lane] < LWI_PROBE_BODIES || middle_is_free( e, lane );
+}
+
+/// The gate, and at most one of the eight middles that it has posed as a whole state. @return false if that is not free
+static bool pass_gate( lwi_edge* e, bool probes )
+{
+	lwi_edge_gate_begin( e );
+	if ( !lwi_edge_gate( e, !probes ) )
+	{
+		return probe_met( e ) && lwi_edge_gate( e, true );
+	}
+	return !probes || probe_unsure( e );
 }
 
 static void probe_undecided( lwi_edge* e )
@@ -253,17 +262,18 @@ static bool measure_cell( lwi_edge* e, lwi_open_window* windows, uint32_t count,
 	return high;
 }
 
-/// Everything in a first window, through the gate. What it leaves open gets on the list.
-static void begin_first( lwi_edge* e )
+/// Everything in a first window, through the gate. What it leaves open gets on the list. @return false if a state is not free
+static bool begin_first( lwi_edge* e )
 {
 	lwi_work* w = &e->work;
 	w->head = w->tail = w->first_count;
 	lwi_edge_begin_pairs( e );
-	lwi_edge_gate( e );
+	const bool free = pass_gate( e, !w->from_left && has_room( e ) );
 	for ( uint32_t i = 0; i < e->pairs.count; ++i )
 	{
 		e->work.windows[e->work.tail++] = ( lwi_open_window ){ .pair = i, .skip = e->pairs.all[i].skip };
 	}
+	return free;
 }
 
 /// Takes the first windows from the left, once everything before is proved. @return false if the search ends
@@ -292,8 +302,7 @@ static bool take_first( lwi_edge* e )
 	e->failed = e->failed || begun == LWI_PATH_FAILED;
 	if ( !e->failed && lwi_edge_static_is_free( e ) && ( w->from_left || lwi_edge_measure_path( e ) ) )
 	{
-		begin_first( e );
-		return w->from_left || !has_room( e ) || look_at_lanes( e );
+		return begin_first( e );
 	}
 	++w->first_count; // it is open
 	return false;

@@ -54,6 +54,7 @@ static size_t lay_out( lw_query* q, void* block, size_t* out_cleared )
 	q->scratch.edge = lwi_arena_take( &arena, q->capacity.edge_bytes, 1 );
 	q->scratch.lane_values = lwi_arena_take( &arena, q->capacity.links, sizeof( double[3][LWI_WIDTH] ) );
 	q->scratch.lane_frames = lwi_arena_take( &arena, q->capacity.links, sizeof( lwi_batch_frame ) );
+	q->scratch.lane_poses = lwi_arena_take( &arena, q->capacity.links, sizeof( lwi_lane_motion ) );
 	q->scratch.lane_spheres = lwi_arena_take( &arena, q->capacity.links, sizeof( lwi_batch_point ) );
 	q->scratch.lane_bodies = lwi_arena_take( &arena, q->capacity.bodies, sizeof( lwi_batch_point ) );
 	q->scratch.lane_body_is_posed = lwi_arena_take( &arena, q->capacity.bodies, sizeof( bool ) );

@@ -99,7 +99,8 @@ typedef struct lwi_query_scratch
 	void* edge;                ///< [edge_bytes] laid out by motion/
 	// of lanes, checker/lanes.c
 	double* lane_values;           ///< [3][links][LWI_WIDTH] values of joints, cosines, sines
-	lwi_batch_frame* lane_frames;  ///< [links] of clusters
+	lwi_batch_frame* lane_frames;  ///< [links] of clusters that move
+	lwi_lane_motion* lane_poses;   ///< [links] of clusters at rest, from the place of the standing links
 	lwi_batch_point* lane_spheres; ///< [links] of clusters' spheres
 	lwi_batch_point* lane_bodies;  ///< [bodies] of bodies' spheres, by their places in the tree, where posed
 	bool* lane_body_is_posed;      ///< [bodies]

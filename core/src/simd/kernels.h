@@ -143,15 +143,21 @@ typedef struct lwi_kernels
 
 	// States in lanes: checker/states.c
 
-	/// batch_frame() without twists
-	void ( *lane_frame )( const lwi_batch_frame* above, const lwi_batch_joint* joint, const double* cosine,
-		const double* sine, const double* value, lwi_batch_frame* out );
+	/// The frame behind a joint, as batch_frame()
+	void ( *lane_frame )( const lwi_lane_motion* above, const lwi_lane_joint* joint, const double* cosine,
+		const double* sine, const double* value, lwi_lane_motion* out );
+	/// A frame of a batch, from an origin in the world
+	void ( *lane_of_batch )( const lwi_batch_frame* frame, const double origin[3], lwi_lane_motion* out );
+	/// A point of a frame that is at rest, from a place
+	void ( *lane_point )( const lwi_lane_motion* frame, const double local[3], const double from[3], lwi_batch_point* out );
 	/// Boxes that a point comes nearer to than `reach` > 0: lanes, one byte a box
 	void ( *lane_boxes )( const lwi_batch_point* point, const lwi_box8* boxes, uint32_t blocks, float reach, uint8_t* near );
-	/// world_from_tree of a body: its frame in the frame of a cluster (r, t), and that in the world
-	void ( *lane_body )( const lwi_batch_frame* frame, const double r[3][3], const double t[3], lwi_lane_frame* out );
-	/// The body in the frame of something that stands still: its rows r and place t in the world
-	void ( *lane_relative )( const lwi_lane_frame* body, const double r[3][3], const double t[3], lwi_lane_motion* out );
+	/// A body: its frame in the frame of a cluster (r, t), and that
+	void ( *lane_body )( const lwi_lane_motion* frame, const double r[3][3], const double t[3], lwi_lane_motion* out );
+	/// The body in the frame of something that stands still: its rows r and place t
+	void ( *lane_relative )( const lwi_lane_motion* body, const double r[3][3], const double t[3], lwi_lane_motion* out );
+	/// The first body in the frame of the second
+	void ( *lane_between )( const lwi_lane_motion* a, const lwi_lane_motion* b, lwi_lane_motion* out );
 	/// Lanes in which a box of the tree's frame comes nearer than `limit` > 0 to a box or cylinder, by their faces
 	uint32_t ( *lane_slabs )( const lwi_lane_motion* motion, const float middle[3], const float half[3],
 		const lwi_primitive* primitive, float limit );

@@ -576,5 +576,5 @@ static void sincos_all( const double* restrict angle, uint32_t count, double* re
 const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, obb_gap, sphere_pairs, box_gap, box_pair_gap, leaf_gap,
 	slab_gap, node_project, leaf_project, leaf_transform, points_move, points_farthest, planes_clear, triangle_gap,
 	node_primitive_gap, leaf_primitive_gap, sincos_all, batch_frame, batch_point, batch_box, batch_pair, lane_frame,
-	lane_boxes, lane_body, lane_relative, lane_slabs, lane_points, lane_node, point_voxels, pixel_voxels, sensor_points,
-	ray_tangents, ray_pixels, voxels_before };
+	lane_of_batch, lane_point, lane_boxes, lane_body, lane_relative, lane_between, lane_slabs, lane_points, lane_node,
+	point_voxels, pixel_voxels, sensor_points, ray_tangents, ray_pixels, voxels_before };

@@ -2,7 +2,7 @@
 // Kernels of interval batches (simd/lanes.h), a part of simd/kernels_impl.h. Those in double are plain loops over lanes, which
 // compilers turn into vector instructions.
 
-static void lane_frame( const lwi_batch_frame* restrict above, const lwi_batch_joint* restrict joint,
+static void frame_at_rest( const lwi_batch_frame* restrict above, const lwi_batch_joint* restrict joint,
 	const double* restrict cosine, const double* restrict sine, const double* restrict value, lwi_batch_frame* restrict out )
 {
 	const double *still = joint->still, *by_cosine = joint->cosine, *by_sine = joint->sine;
@@ -42,7 +42,7 @@ static void batch_frame( const lwi_batch_frame* restrict above, const lwi_batch_
 	const double* restrict cosine, const double* restrict sine, const double* restrict value, const double* restrict speed,
 	lwi_batch_frame* restrict out )
 {
-	lane_frame( above, joint, cosine, sine, value, out );
+	frame_at_rest( above, joint, cosine, sine, value, out );
 	const double* along = joint->along;
 	const double turns = joint->rotates ? 1 : 0, shifts = joint->rotates ? 0 : 1;
 	for ( int l = 0; l < LWI_WIDTH; ++l )
@@ -151,40 +151,137 @@ static void lane_boxes( const lwi_batch_point* point, const lwi_box8* boxes, uin
 	}
 }
 
-static void lane_body( const lwi_batch_frame* restrict frame, const double r[3][3], const double t[3],
-	lwi_lane_frame* restrict out )
+static void lane_frame( const lwi_lane_motion* restrict above, const lwi_lane_joint* restrict joint,
+	const double* restrict cosine, const double* restrict sine, const double* restrict value, lwi_lane_motion* restrict out )
 {
+	float c[LWI_WIDTH], s[LWI_WIDTH], v[LWI_WIDTH];
+	for ( int l = 0; l < LWI_WIDTH; ++l )
+	{
+		c[l] = (float)cosine[l];
+		s[l] = (float)sine[l];
+		v[l] = (float)value[l];
+	}
+	const f8 by_cosine = f8_load( c ), by_sine = f8_load( s ), by_value = f8_load( v );
+	f8 b[9], at[3];
+	for ( int i = 0; i < 9; ++i )
+	{
+		b[i] = f8_add( f8_set( joint->still[i] ),
+			f8_add( f8_mul( by_cosine, f8_set( joint->cosine[i] ) ), f8_mul( by_sine, f8_set( joint->sine[i] ) ) ) );
+	}
 	for ( int i = 0; i < 3; ++i )
+	{
+		at[i] = f8_add( f8_set( joint->offset[i] ), f8_mul( by_value, f8_set( joint->along[i] ) ) );
+	}
+	for ( int i = 0; i < 3; ++i )
+	{
+		const f8 p0 = f8_load( above->r[3 * i] ), p1 = f8_load( above->r[3 * i + 1] ), p2 = f8_load( above->r[3 * i + 2] );
+		for ( int k = 0; k < 3; ++k )
+		{
+			f8_store( out->r[3 * i + k],
+				f8_add( f8_add( f8_mul( p0, b[k] ), f8_mul( p1, b[3 + k] ) ), f8_mul( p2, b[6 + k] ) ) );
+		}
+		const f8 sum = f8_add( f8_add( f8_mul( p0, at[0] ), f8_mul( p1, at[1] ) ), f8_mul( p2, at[2] ) );
+		f8_store( out->t[i], f8_add( sum, f8_load( above->t[i] ) ) );
+	}
+}
+
+static void lane_of_batch( const lwi_batch_frame* restrict frame, const double origin[3], lwi_lane_motion* restrict out )
+{
+	for ( int i = 0; i < 9; ++i )
 	{
 		for ( int l = 0; l < LWI_WIDTH; ++l )
 		{
-			const double p0 = frame->r[3 * i][l], p1 = frame->r[3 * i + 1][l], p2 = frame->r[3 * i + 2][l];
-			out->r[3 * i][l] = p0 * r[0][0] + p1 * r[1][0] + p2 * r[2][0];
-			out->r[3 * i + 1][l] = p0 * r[0][1] + p1 * r[1][1] + p2 * r[2][1];
-			out->r[3 * i + 2][l] = p0 * r[0][2] + p1 * r[1][2] + p2 * r[2][2];
-			out->t[i][l] = p0 * t[0] + p1 * t[1] + p2 * t[2] + frame->t[i][l];
+			out->r[i][l] = (float)frame->r[i][l];
+		}
+	}
+	for ( int i = 0; i < 3; ++i )
+	{
+		const double from = origin[i];
+		for ( int l = 0; l < LWI_WIDTH; ++l )
+		{
+			out->t[i][l] = (float)( frame->t[i][l] - from );
 		}
 	}
 }
 
-static void lane_relative( const lwi_lane_frame* restrict body, const double r[3][3], const double t[3],
+/// Rows of m, with the given columns.
+static inline f8 lane_dot( const float ( *row )[LWI_WIDTH], f8 x, f8 y, f8 z )
+{
+	return f8_add( f8_add( f8_mul( f8_load( row[0] ), x ), f8_mul( f8_load( row[1] ), y ) ),
+		f8_mul( f8_load( row[2] ), z ) );
+}
+
+static void lane_point( const lwi_lane_motion* frame, const double local[3], const double from[3], lwi_batch_point* out )
+{
+	const f8 x = f8_set( (float)local[0] ), y = f8_set( (float)local[1] ), z = f8_set( (float)local[2] );
+	for ( int i = 0; i < 3; ++i )
+	{
+		const f8 at = f8_sub( f8_load( frame->t[i] ), f8_set( (float)from[i] ) );
+		f8_store( out->p[i], f8_add( lane_dot( &frame->r[3 * i], x, y, z ), at ) );
+		f8_store( out->displacement[i], f8_set( 0.0f ) );
+	}
+}
+
+static void lane_body( const lwi_lane_motion* restrict frame, const double r[3][3], const double t[3],
 	lwi_lane_motion* restrict out )
 {
 	for ( int i = 0; i < 3; ++i )
 	{
-		const double c0 = r[0][i], c1 = r[1][i], c2 = r[2][i]; // a row of the inverse
 		for ( int k = 0; k < 3; ++k )
 		{
-			for ( int l = 0; l < LWI_WIDTH; ++l )
-			{
-				out->r[3 * i + k][l] = (float)( c0 * body->r[k][l] + c1 * body->r[3 + k][l] + c2 * body->r[6 + k][l] );
-			}
+			f8_store( out->r[3 * i + k],
+				lane_dot( &frame->r[3 * i], f8_set( (float)r[0][k] ), f8_set( (float)r[1][k] ), f8_set( (float)r[2][k] ) ) );
 		}
-		for ( int l = 0; l < LWI_WIDTH; ++l )
+		const f8 sum = lane_dot( &frame->r[3 * i], f8_set( (float)t[0] ), f8_set( (float)t[1] ), f8_set( (float)t[2] ) );
+		f8_store( out->t[i], f8_add( sum, f8_load( frame->t[i] ) ) );
+	}
+}
+
+/// c0 x + c1 y + c2 z
+static inline f8 lane_sum( f8 c0, f8 x, f8 c1, f8 y, f8 c2, f8 z )
+{
+	return f8_add( f8_add( f8_mul( c0, x ), f8_mul( c1, y ) ), f8_mul( c2, z ) );
+}
+
+static void lane_relative( const lwi_lane_motion* restrict body, const double r[3][3], const double t[3],
+	lwi_lane_motion* restrict out )
+{
+	f8 from[3];
+	for ( int i = 0; i < 3; ++i )
+	{
+		from[i] = f8_sub( f8_load( body->t[i] ), f8_set( (float)t[i] ) );
+	}
+	for ( int i = 0; i < 3; ++i )
+	{
+		// a row of the inverse
+		const f8 c0 = f8_set( (float)r[0][i] ), c1 = f8_set( (float)r[1][i] ), c2 = f8_set( (float)r[2][i] );
+		for ( int k = 0; k < 3; ++k )
 		{
-			out->t[i][l] =
-				(float)( c0 * ( body->t[0][l] - t[0] ) + c1 * ( body->t[1][l] - t[1] ) + c2 * ( body->t[2][l] - t[2] ) );
+			f8_store( out->r[3 * i + k],
+				lane_sum( c0, f8_load( body->r[k] ), c1, f8_load( body->r[3 + k] ), c2, f8_load( body->r[6 + k] ) ) );
 		}
+		f8_store( out->t[i], lane_sum( c0, from[0], c1, from[1], c2, from[2] ) );
+	}
+}
+
+static void lane_between( const lwi_lane_motion* restrict a, const lwi_lane_motion* restrict b,
+	lwi_lane_motion* restrict out )
+{
+	f8 from[3];
+	for ( int i = 0; i < 3; ++i )
+	{
+		from[i] = f8_sub( f8_load( a->t[i] ), f8_load( b->t[i] ) );
+	}
+	for ( int i = 0; i < 3; ++i )
+	{
+		// a row of the inverse
+		const f8 c0 = f8_load( b->r[i] ), c1 = f8_load( b->r[3 + i] ), c2 = f8_load( b->r[6 + i] );
+		for ( int k = 0; k < 3; ++k )
+		{
+			f8_store( out->r[3 * i + k],
+				lane_sum( c0, f8_load( a->r[k] ), c1, f8_load( a->r[3 + k] ), c2, f8_load( a->r[6 + k] ) ) );
+		}
+		f8_store( out->t[i], lane_sum( c0, from[0], c1, from[1], c2, from[2] ) );
 	}
 }
 

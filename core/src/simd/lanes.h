@@ -10,6 +10,12 @@
 
 #include "simd/tree_layout.h"
 
+/// Numbers of a joint in float, for states at rest.
+typedef struct lwi_lane_joint
+{
+	float still[9], cosine[9], sine[9], offset[3], along[3];
+} lwi_lane_joint;
+
 /// A moving joint and the constant transform above it, frame_from_joint r, t: r times the turn by an angle with cosine c and
 /// sine s is still + c cosine + s sine, and the joint's origin is offset + value along, in the frame above. Matrices by
 /// rows.
@@ -18,6 +24,7 @@ typedef struct lwi_batch_joint
 	double still[9], cosine[9], sine[9];
 	double offset[3];
 	double along[3];                    ///< the axis
+	lwi_lane_joint lane;                ///< the same rounded
 	bool rotates;                       ///< else it translates
 	bool has_several_variables;         ///< of the fields above none is used then; `variable` is the first
 	double multiplier, variable_offset; ///< its value is multiplier * q[variable] + variable_offset
@@ -37,13 +44,7 @@ typedef struct lwi_batch_point
 	float p[3][LWI_WIDTH], displacement[3][LWI_WIDTH];
 } lwi_batch_point;
 
-/// A frame in the lanes at rest: p -> r p + t, in double.
-typedef struct lwi_lane_frame
-{
-	double r[9][LWI_WIDTH], t[3][LWI_WIDTH];
-} lwi_lane_frame;
-
-/// The same in float.
+/// A rigid motion in the lanes: p -> r p + t.
 typedef struct lwi_lane_motion
 {
 	float r[9][LWI_WIDTH], t[3][LWI_WIDTH];
