@@ -143,6 +143,15 @@ const char* name( Outcome outcome )
 	return "?";
 }
 
+/// Ends of edges towards samples, looked at together, and used one after the other.
+struct Candidates
+{
+	std::vector<double> ends;        ///< [lanes][variables]
+	std::uint32_t nears[lanes] = {}; ///< nodes from which the edges come
+	Seen seen[lanes] = {};
+	unsigned count = 0, next = 0;
+};
+
 struct Planner::Parts
 {
 	Parts( Checker given, const Settings& s )
@@ -155,7 +164,10 @@ struct Planner::Parts
 		sample.resize( space.size() );
 		next.resize( space.size() );
 		ahead.resize( lanes * space.size() );
-		ends_ahead.resize( lanes * space.size() );
+		for ( Candidates& of_tree : candidates )
+		{
+			of_tree.ends.resize( lanes * space.size() );
+		}
 		unit.resize( space.size() + 1 );
 	}
 
@@ -163,6 +175,7 @@ struct Planner::Parts
 	bool addEnds( Validator& validator, Deadline& deadline );
 	bool joinStraight( Validator& validator, Deadline& deadline, std::size_t first_start, std::size_t first_goal );
 	bool isLineFree( Validator& validator, const double* a, const double* b );
+	void drawCandidates( Validator& validator, unsigned side );
 	bool grow( Validator& validator );
 	bool connect( Validator& validator, unsigned from, std::uint32_t node );
 	bool seemsFree( Validator& validator, unsigned step, bool has_new_end );
@@ -192,12 +205,10 @@ struct Planner::Parts
 	double gap = HUGE_VAL; ///< least distance of a node to the other tree
 	Blame blame;
 	std::vector<double> sample, next, unit;
-	std::vector<double> ends_ahead;  ///< [lanes][variables] of the next edges from `nears`
-	std::uint32_t nears[lanes] = {}; ///< nodes from which these come
-	std::vector<double> ahead;       ///< [lanes][variables] the way from `from`, by quarters of steps
-	Seen seen[lanes] = {};           ///< of these
+	Candidates candidates[2];  ///< for the next edges of each tree
+	std::vector<double> ahead; ///< [lanes][variables] the way from `from`, by quarters of steps
+	Seen seen[lanes] = {};     ///< of these
 	std::vector<double> from;
-	std::uint64_t cuts = 0; ///< times that nodes went and others got new numbers
 	std::vector<std::uint32_t> branch;
 	struct
 	{
@@ -392,7 +403,7 @@ bool Planner::Parts::proveBranch( Validator& validator, unsigned side, std::uint
 		{
 			++late.not_free;
 			tree.cut( below );
-			++cuts;
+			candidates[side].count = 0; // nodes have new numbers
 			findRoots( side );
 			return false;
 		}
@@ -414,42 +425,51 @@ void Planner::Parts::findRoots( unsigned side )
 	}
 }
 
-/// Draws up to `lanes` samples near the smaller tree and checks the ends of its edges towards them in one look. Free ends become nodes;
-/// each node then tries to reach the other tree. @return true if the trees met
+/// Draws samples near a tree and checks the ends of its edges towards them in one look.
+void Planner::Parts::drawCandidates( Validator& validator, unsigned side )
+{
+	const Tree& tree = trees[side];
+	Candidates& c = candidates[side];
+	c.next = 0;
+	c.count = validator.looksDecide() ? lanes : 1;
+	for ( unsigned i = 0; i < c.count; ++i )
+	{
+		drawSample( tree );
+		c.nears[i] = tree.nearest( sample.data() );
+		const double distance = space.distance( tree.state( c.nears[i] ), sample.data() );
+		space.between(
+		    tree.state( c.nears[i] ), sample.data(), std::min( 1.0, range / distance ), c.ends.data() + i * space.size() );
+	}
+	growth[side].tries += c.count;
+	validator.look( c.ends.data(), c.count, false, c.seen );
+}
+
+/// The smaller tree grows by the first of its candidates that can become a node, which then tries to reach the other tree.
+/// @return true if the trees met
 bool Planner::Parts::grow( Validator& validator )
 {
 	const unsigned side = trees[0].size() <= trees[1].size() ? 0 : 1;
 	Tree& tree = trees[side];
-	Seen ends_seen[lanes];
-	const auto count = validator.looksDecide() ? static_cast<unsigned>( std::min<std::size_t>( lanes, tree.size() ) ) : 1;
-	for ( unsigned i = 0; i < count; ++i )
+	Candidates& c = candidates[side];
+	if ( c.next >= c.count )
 	{
-		drawSample( tree );
-		nears[i] = tree.nearest( sample.data() );
-		const double distance = space.distance( tree.state( nears[i] ), sample.data() );
-		space.between(
-		    tree.state( nears[i] ), sample.data(), std::min( 1.0, range / distance ), ends_ahead.data() + i * space.size() );
+		drawCandidates( validator, side );
 	}
-	growth[side].tries += count;
-	validator.look( ends_ahead.data(), count, false, ends_seen );
-	const std::uint64_t before = cuts;
-	for ( unsigned i = 0; i < count && cuts == before; ++i )
+	while ( c.next < c.count )
 	{
-		const double* q = ends_ahead.data() + i * space.size();
-		if ( ends_seen[i].verdict == LW_VERDICT_BLOCKED || !proveBranch( validator, side, provedFor( tree, nears[i] ) ) ||
-		     !validator.isFree( q, ends_seen[i] ) )
+		const unsigned i = c.next++;
+		const double* q = c.ends.data() + i * space.size();
+		if ( c.seen[i].verdict == LW_VERDICT_BLOCKED || !proveBranch( validator, side, provedFor( tree, c.nears[i] ) ) ||
+		     !validator.isFree( q, c.seen[i] ) )
 		{
 			continue;
 		}
 		const std::uint32_t node =
-		    validator.seemsFree( space, tree.state( nears[i] ), q ) ? addNode( validator, tree, nears[i], q ) : no_node;
+		    validator.seemsFree( space, tree.state( c.nears[i] ), q ) ? addNode( validator, tree, c.nears[i], q ) : no_node;
 		if ( node != no_node )
 		{
 			++growth[side].grown;
-			if ( connect( validator, side, node ) )
-			{
-				return true;
-			}
+			return connect( validator, side, node );
 		}
 	}
 	return false;
@@ -689,6 +709,7 @@ void Planner::clear()
 		p.roots[side].clear();
 		p.refused[side].clear();
 		p.growth[side] = {};
+		p.candidates[side].count = 0;
 	}
 	p.path.values.clear();
 	p.problem.clear();
