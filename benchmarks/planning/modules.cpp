@@ -124,7 +124,8 @@ WayKind loadModule( const std::string& file )
 	if ( symbol == nullptr )
 	{
 		const char* problem = dlerror();
-		throw std::runtime_error( file + ": " + ( problem != nullptr ? problem : "exports no leeway_planner_module" ) );
+		throw std::runtime_error( file + ": " + ( problem != nullptr ? problem : "exports no leeway_planner_module" ) +
+		                          "; name a file, or a planner whose module is beside leeway-bench" );
 	}
 	WayKind kind;
 	kind.module = std::shared_ptr<PlannerModule>( reinterpret_cast<PlannerModule* (*)()>( symbol )() );
@@ -165,7 +166,11 @@ std::vector<WayKind> moduleWays( const std::vector<std::string>& files )
 	}
 	for ( const std::string& file : files )
 	{
-		ways.push_back( loadModule( file ) );
+		const auto is_named = [&]( const WayKind& way ) { return way.name == file; };
+		if ( std::none_of( ways.begin(), ways.end(), is_named ) )
+		{
+			ways.push_back( loadModule( file ) );
+		}
 	}
 	return ways;
 }

@@ -226,28 +226,33 @@ private:
 			++m_left_out;
 			return;
 		}
-		EdgeAuditor auditor( world.robot.get(), world.scene.get(), world.variables, world.reference.data(), world.allowed );
 		for ( std::size_t w = 0; w < ways.size(); ++w )
 		{
 			++result.tallies[w].problems;
 			result.tallies[w].refused += !ways[w]->usable();
 		}
+		// the first run of each way warms memory and caches and is not counted; the auditor, which would cool them, waits for the last run
+		std::vector<Planned> plans;
 		for ( int run = 0; run <= m_settings.runs; ++run )
 		{
-			for ( std::size_t w = 0; w < ways.size(); ++w )
+			for ( const std::unique_ptr<Way>& way : ways )
 			{
-				PlanRun out;
-				out.problem = number;
-				if ( ways[w]->usable() )
+				Planned plan;
+				if ( way->usable() )
 				{
-					out = planned( *ways[w], world, auditor, run, result.tallies[w], m_ways[w].name );
-					out.problem = number;
+					plan = way->run( m_settings.seconds, seedOf( m_settings, world.name, run ) );
 				}
-				if ( run > 0 ) // the first run of each way warms memory and caches and is not counted
-				{
-					addRun( out, world.name, result.tallies[w] );
-				}
+				plans.push_back( std::move( plan ) );
 			}
+		}
+		EdgeAuditor auditor( world.robot.get(), world.scene.get(), world.variables, world.reference.data(), world.allowed );
+		for ( std::size_t i = ways.size(); i < plans.size(); ++i )
+		{
+			const std::size_t w = i % ways.size();
+			PlanRun out =
+			    audited( plans[i], world, auditor, static_cast<int>( i / ways.size() ), result.tallies[w], m_ways[w].name );
+			out.problem = number;
+			addRun( out, world.name, result.tallies[w] );
 		}
 	}
 
@@ -289,15 +294,15 @@ private:
 		m_paths << line.dump() << '\n' << std::flush;
 	}
 
-	PlanRun planned( Way& way, const EdgeWorld& world, EdgeAuditor& auditor, int run, Tally& tally, const std::string& name )
+	PlanRun audited( const Planned& planned, const EdgeWorld& world, EdgeAuditor& auditor, int run, Tally& tally,
+	    const std::string& name )
 	{
-		const Planned planned = way.run( m_settings.seconds, seedOf( m_settings, world.name, run ) );
 		PlanRun out;
 		out.solved = planned.solved;
 		out.plan_us = planned.plan_us;
 		out.simplify_us = planned.simplify_us;
 		out.direct = planned.solved && planned.first.size() == 2;
-		if ( planned.solved && run > 0 )
+		if ( planned.solved )
 		{
 			out.first_length = lengthOf( world, planned.first );
 			out.length = lengthOf( world, planned.path );
@@ -448,7 +453,8 @@ void addPlanning( Bench& bench )
 	command.option( "--clearance-goal", s->clearance_goal,
 	    "metres, above 0: raises the clearance of the first row's paths afterwards, and prints it before and after" );
 	command.option( "--clearance-ms", s->clearance_ms, "milliseconds for each of these paths", POSITIVE );
-	command.option( "--module", s->modules, "planner of another library; those beside the program are found" );
+	command.option( "--module", s->modules,
+	    "planner of another library: a file, or the name of one beside the program; those are found without this, too" );
 	command.option( "--budget", s->budget, "seconds for pair proofs" );
 	command.flag(
 	    "--planners-only", s->planners_only, "without the rows of sampled motions, as with --planner and --range" );

@@ -107,6 +107,8 @@ TEST( PlanningModules, LongTurnIsAuditedTheShorterWay )
 	const WayKind kind = moduleWays( { LEEWAY_PLANNER_STUB } ).back();
 	EXPECT_EQ( kind.name, "straight" );
 	EXPECT_FALSE( kind.proved() );
+	EXPECT_EQ( moduleWays( { LEEWAY_PLANNER_STUB } ).size(), moduleWays( { LEEWAY_PLANNER_STUB, "straight" } ).size() )
+	    << "a module that is there is named like its row";
 	const std::unique_ptr<Way> way = makeModuleWay( kind, entry, "set" );
 	ASSERT_TRUE( way->usable() );
 	const Planned planned = way->run( 1, 1 );
