@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Rules of edges: ends agree with states, steps keep their promise, bad input never reads as free, answers repeat.
 #include "edge_model.hpp"
+#include "motion/edge.h"
 
 // A link that no joint of the group moves and that touches the scene makes every edge impossible, at t = 0.
 TEST( Edge, StaticBodiesCount )
@@ -259,5 +260,31 @@ TEST( Edge, RepeatsBitForBit )
 		EXPECT_EQ( first.lower_bound, second.lower_bound );
 		EXPECT_EQ( first.queries, second.queries );
 		EXPECT_EQ( first.pair.upper, second.pair.upper );
+	}
+}
+
+// A rod above a field of 4,761 cubes, more than the gate has places for: one of them stands in its way, or none.
+TEST( Edge, ObstaclesBeyondTheGatesListAreForgotten )
+{
+	constexpr int rows = 69;
+	static_assert( rows * rows > LWI_EDGE_OBSTACLES );
+	for ( const bool stands : { false, true } )
+	{
+		World world;
+		world.model.link( "rail" );
+		lw_joint_def& slide = world.model.joint( "rod", LW_JOINT_PRISMATIC, 0 );
+		slide.axis[1] = 1;
+		slide.axis[2] = 0;
+		world.model.body( 1, primitive( LW_SHAPE_BOX, 2, 0.02, 0.02 ), lw_transform_identity() );
+		for ( int i = 0; i < rows * rows; ++i )
+		{
+			const bool is_last = i == rows * rows - 1;
+			world.object( primitive( LW_SHAPE_BOX, 0.005, 0.005, 0.005 ),
+			    at( 0.01 * ( i % rows - rows / 2 ), 0.01 * ( i / rows - rows / 2 ), is_last && stands ? 0 : -0.03 ) );
+		}
+		world.open();
+		const lw_edge_result r = world.edge( { 0 }, { 0.5 }, lw_edge_def_default() );
+		EXPECT_EQ( r.verdict, stands ? LW_VERDICT_BLOCKED : LW_VERDICT_FREE );
+		EXPECT_TRUE( stands || ( r.lower_bound > 0 && r.lower_bound <= 0.03 - 0.0125 ) ) << r.lower_bound;
 	}
 }
