@@ -97,42 +97,17 @@ struct Chain
 	/// Lanes at the middles of eight windows of [0, 1].
 	lwi_batch_frame lanes( const lwi_kernels* kernels ) const
 	{
-		lwi_batch_frame frame;
-		std::memset( &frame, 0, sizeof( frame ) );
-		for ( int l = 0; l < LWI_WIDTH; ++l )
-		{
-			frame.r[0][l] = frame.r[4][l] = frame.r[8][l] = 1;
-		}
-		for ( const Joint& j : joints )
-		{
-			const Values v( j );
-			const lwi_batch_joint joint = batch_joint_of( j );
-			lwi_batch_frame next;
-			std::memset( &next, 0, sizeof( next ) );
-			kernels->batch_frame( &frame, &joint, v.cosine, v.sine, v.value, v.speed, &next );
-			frame = next;
-		}
-		return frame;
+		return follow<lwi_batch_frame>(
+		    [&]( const lwi_batch_frame& above, const lwi_batch_joint& joint, const Values& v, lwi_batch_frame* out )
+		    { kernels->batch_frame( &above, &joint, v.cosine, v.sine, v.value, v.speed, out ); } );
 	}
 
 	/// The same at rest, in float.
 	lwi_lane_motion poses( const lwi_kernels* kernels ) const
 	{
-		lwi_lane_motion frame;
-		std::memset( &frame, 0, sizeof( frame ) );
-		for ( int l = 0; l < LWI_WIDTH; ++l )
-		{
-			frame.r[0][l] = frame.r[4][l] = frame.r[8][l] = 1;
-		}
-		for ( const Joint& j : joints )
-		{
-			const Values v( j );
-			const lwi_batch_joint joint = batch_joint_of( j );
-			lwi_lane_motion next;
-			kernels->lane_frame( &frame, &joint.lane, v.cosine, v.sine, v.value, &next );
-			frame = next;
-		}
-		return frame;
+		return follow<lwi_lane_motion>(
+		    [&]( const lwi_lane_motion& above, const lwi_batch_joint& joint, const Values& v, lwi_lane_motion* out )
+		    { kernels->lane_frame( &above, &joint.lane, v.cosine, v.sine, v.value, out ); } );
 	}
 
 	/// Metres: how far poses() may be off at a point that is so far from the last frame: core/docs/states.md.
@@ -165,6 +140,25 @@ private:
 			}
 		}
 	};
+
+	/// From the world, which stands, to the last frame.
+	template <typename Frame, typename Step> Frame follow( Step step ) const
+	{
+		Frame frame;
+		std::memset( &frame, 0, sizeof( frame ) );
+		for ( int l = 0; l < LWI_WIDTH; ++l )
+		{
+			frame.r[0][l] = frame.r[4][l] = frame.r[8][l] = 1;
+		}
+		for ( const Joint& j : joints )
+		{
+			Frame next;
+			std::memset( &next, 0, sizeof( next ) );
+			step( frame, batch_joint_of( j ), Values( j ), &next );
+			frame = next;
+		}
+		return frame;
+	}
 
 	static lwi_batch_joint batch_joint_of( const Joint& j )
 	{

@@ -611,7 +611,7 @@ static bool test_lanes( lane_states* s, const double* q, uint32_t count, lw_chec
 		take_state( s, q + (size_t)( lane < count ? lane : 0 ) * c->base->group.variable_count, lane );
 	}
 	s->off = 2 * rounding;
-	s->needed = above + 4 * rounding;
+	s->needed = above + 8 * rounding;
 	if ( c->scene != NULL )
 	{
 		const double* origin = c->scene->origin;
