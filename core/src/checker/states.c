@@ -50,6 +50,7 @@ typedef struct lane_states
 	double off;                   ///< metres: points are no farther from their places
 	double needed;                ///< metres: distance that proves a pair, without margins and the rounding of floats
 	double reach;                 ///< metres: no point of the robot is farther from `origin`
+	double scene[3];              ///< the scene's origin, from `origin`
 	double scene_size;            ///< no coordinate of a body, or of an obstacle's box, from the scene's origin is larger
 	bool near_only;               ///< obstacles outside of near_mask are farther
 	bool covered;                 ///< the reach's tables hold in all lanes
@@ -64,7 +65,7 @@ typedef struct lane_states
 /// Bodies against the scene: the one at work.
 typedef struct lane_body
 {
-	uint32_t place, body;
+	uint32_t body;
 	const lw_shape* shape;
 	bool posed;           ///< `pose` is valid
 	lwi_lane_motion pose; ///< of its tree
@@ -118,14 +119,22 @@ static void take_state( const lane_states* s, const double* q, uint32_t lane )
 
 // --- the scene -------------------------------------------------------------------------------------------------------
 
+/// The axes of a body in the lanes, at a point of its shape.
+static void pose_axes( const lw_checker* c, const lw_query* query, uint32_t body, const double point[3],
+	lwi_lane_motion* out )
+{
+	const lwi_cluster_tree* tree = c->base->tree;
+	const lw_transform* pose = &tree->body_poses[tree->body_place[body]];
+	const lw_vec3 at = lwi_transform( pose, lwi_load( point ) );
+	const double t[3] = { at.x, at.y, at.z };
+	query->search.kernels->lane_body( &query->scratch.lane_poses[tree->body_cluster[body]], pose->r, t, out );
+}
+
 static void pose_body( const lane_states* s, lane_body* b )
 {
 	if ( !b->posed )
 	{
-		const lw_transform* pose = &s->tree->body_poses[b->place];
-		const lw_vec3 at = lwi_transform( pose, lwi_load( b->shape->origin ) );
-		const double t[3] = { at.x, at.y, at.z };
-		s->kernels->lane_body( &s->poses[s->tree->body_cluster[b->body]], pose->r, t, &b->pose );
+		pose_axes( s->checker, s->query, b->body, b->shape->origin, &b->pose );
 		b->posed = true;
 	}
 }
@@ -258,7 +267,7 @@ static bool tree_is_all( const lw_shape* body, const lwi_convex* convex, lw_shap
 		   ( type == LW_SHAPE_BOX ? fmax( longest, convex->size[2] ) : longest ) > body->sphere_radius;
 }
 
-/// What the lanes need of a body and an obstacle. @return false for obstacles that lanes do not know
+/// Poses a body against an obstacle, with the limit of its distance and its slack. @return false for obstacles that have no test in the lanes
 static bool make_test( const lane_states* s, lane_body* b, uint32_t shape, primitive_test* q )
 {
 	const lw_scene_shape_def* obstacle = &s->checker->scene->shapes[shape];
@@ -353,9 +362,7 @@ static uint8_t* meet_boxes( const lane_states* s, uint32_t cluster, const lw_sph
 	const uint32_t blocks = block_count( s );
 	lwi_batch_point point;
 	uint8_t* near = (uint8_t*)s->query->scratch.row;
-	const double from[3] = { scene->origin[0] - s->origin[0], scene->origin[1] - s->origin[1],
-		scene->origin[2] - s->origin[2] };
-	s->kernels->lane_point( &s->poses[cluster], sphere->center, from, &point );
+	s->kernels->lane_point( &s->poses[cluster], sphere->center, s->scene, &point );
 	const double slack = lwi_gap_slack( 2 * ( s->scene_size + sphere->radius ) );
 	const double reach = sphere->radius + s->needed + ( m != NULL ? m->largest : 0 ) + slack;
 	s->kernels->lane_boxes( &point, scene->boxes, blocks, lwi_round_up( reach ), near );
@@ -370,7 +377,6 @@ static void body_environment( lane_states* s, uint32_t place )
 {
 	const lw_checker* c = s->checker;
 	lane_body b;
-	b.place = place;
 	b.body = s->tree->bodies[place];
 	b.posed = false;
 	b.shape = lwi_shape_now( c->base->bodies[b.body].shape );
@@ -401,7 +407,7 @@ uint32_t lwi_lanes_near_obstacles( const lw_checker* c, lw_query* query, uint32_
 		.origin = lwi_lanes_origin( c ),
 		.needed = needed,
 		.reach = reach };
-	lane_body b = { .place = s.tree->body_place[body], .body = body, .shape = lwi_shape_now( c->base->bodies[body].shape ) };
+	lane_body b = { .body = body, .shape = lwi_shape_now( c->base->bodies[body].shape ) };
 	uint32_t met = 0;
 	*out_unsure = 0;
 	for ( uint32_t i = 0; i < count; ++i )
@@ -470,9 +476,7 @@ static void lanes_environment( lane_states* s )
 /// The box around a body in the lanes: its middle and axes. @param half [3] @return the sum of these
 static double pose_box( const lw_checker* c, const lw_query* query, uint32_t body, lwi_lane_motion* out, float* half )
 {
-	const lwi_cluster_tree* tree = c->base->tree;
 	const lw_shape* shape = c->base->bodies[body].shape;
-	const lw_transform* pose = &tree->body_poses[tree->body_place[body]];
 	double middle[3], size = 0;
 	for ( int i = 0; i < 3; ++i )
 	{
@@ -480,9 +484,7 @@ static double pose_box( const lw_checker* c, const lw_query* query, uint32_t bod
 		half[i] = lwi_round_up( 0.5 * ( shape->box_max[i] - shape->box_min[i] ) );
 		size += (double)half[i];
 	}
-	const lw_vec3 at = lwi_transform( pose, lwi_load( middle ) );
-	const double t[3] = { at.x, at.y, at.z };
-	query->search.kernels->lane_body( &query->scratch.lane_poses[tree->body_cluster[body]], pose->r, t, out );
+	pose_axes( c, query, body, middle, out );
 	return size;
 }
 
@@ -614,9 +616,12 @@ static bool test_lanes( lane_states* s, const double* q, uint32_t count, lw_chec
 	s->needed = above + 8 * rounding;
 	if ( c->scene != NULL )
 	{
-		const double* origin = c->scene->origin;
-		s->scene_size = s->reach + fabs( origin[0] - s->origin[0] ) + fabs( origin[1] - s->origin[1] ) +
-						fabs( origin[2] - s->origin[2] ) + c->scene->extent;
+		s->scene_size = s->reach + c->scene->extent;
+		for ( int i = 0; i < 3; ++i )
+		{
+			s->scene[i] = c->scene->origin[i] - s->origin[i];
+			s->scene_size += fabs( s->scene[i] );
+		}
 	}
 	lwi_pose_lanes( c, s->query );
 	if ( ( flags & LW_CHECK_ENVIRONMENT ) != 0 )

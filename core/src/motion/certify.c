@@ -123,10 +123,10 @@ bool lwi_edge_grid_proves( lwi_edge* e, const lwi_grid_slice* slice, uint32_t bo
 
 // ---- proofs in a window ----------------------------------------------------------------------------------------------
 
-/// Clearance of a pair at the state that was counted last. @return false if there is no answer
-static bool clearance_of( lwi_edge* e, const lwi_edge_pair* pair, const lw_range* range, lw_clearance* out )
+/// Clearance of a pair at t. @return false if there is no answer
+static bool clearance_of( lwi_edge* e, const lwi_edge_pair* pair, double t, const lw_range* range, lw_clearance* out )
 {
-	if ( !lwi_edge_pose( e, e->poses.counted_t ) )
+	if ( !lwi_edge_pose( e, t ) )
 	{
 		return false;
 	}
@@ -162,12 +162,12 @@ static lwi_edge_plane_result try_planes( lwi_edge* e, const lwi_edge_pair* pair,
 
 /// Gives a pair that is within the edge's slack a smaller one: half of its room above min_d in the middle of the window.
 /// @return false if the clearance in the middle is within that too
-static bool tighten( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_sample* s )
+static bool tighten( lwi_edge* e, lwi_edge_pair* pair, double t, lwi_edge_sample* s )
 {
 	const bool self = lwi_edge_pair_is_self( pair );
 	const double floor = floor_of( e, pair );
 	const lw_range exact = { e->def->min_d, floor + e->pairs.slack[self], 0 };
-	if ( e->pairs.close >= e->def->close_windows || !clearance_of( e, pair, &exact, &s->clearance ) )
+	if ( e->pairs.close >= e->def->close_windows || !clearance_of( e, pair, t, &exact, &s->clearance ) )
 	{
 		return false;
 	}
@@ -187,7 +187,7 @@ static void measure( lwi_edge* e, const lwi_edge_pair* pair, lwi_edge_window win
 	// without motion the verdict is that of the state, whose clearance may be just above min_d
 	const double alpha = window.half > 0 ? e->def->alpha : 0;
 	const lw_range range = { min_d, need_of( e, pair ) + loss, alpha };
-	if ( clearance_of( e, pair, &range, &s->clearance ) )
+	if ( clearance_of( e, pair, window.t, &range, &s->clearance ) )
 	{
 		s->blocked = s->clearance.upper <= min_d;
 		// also if lower is not a number
@@ -231,7 +231,7 @@ lwi_edge_sample lwi_edge_certify( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 	{
 		return s;
 	}
-	if ( s.low && !s.blocked && tighten( e, pair, &s ) )
+	if ( s.low && !s.blocked && tighten( e, pair, window.t, &s ) )
 	{
 		s.low = false;
 		s.proved = is_proved( e, pair, loss, &s ) || try_planes( e, pair, motion ) == LWI_EDGE_PROVED;

@@ -125,7 +125,7 @@ typedef struct lwi_window_motion
 typedef struct lwi_edge_poses
 {
 	double posed_t;              ///< the state the query is posed at; NaN if none
-	double counted_t;            ///< the state that was counted last
+	double counted_t;            ///< the state that lwi_edge_count_state() added last
 	lwi_window_poses windows[2]; ///< the last two computed
 	int last;
 	double* frame_t;           ///< [LWI_EDGE_FRAMES] states whose cluster poses are kept; NaN: unused
@@ -321,7 +321,7 @@ void lwi_edge_forget_poses( lwi_edge* edge );
 /// Notes at which state somebody else has posed the query; NaN: at none.
 void lwi_edge_set_posed( lwi_edge* edge, double t );
 
-/// Counts the state at t as one that is looked at, unless it was the last.
+/// Adds the state at t to out->queries, unless it was added last.
 void lwi_edge_count_state( lwi_edge* edge, double t );
 
 /// Poses the query at t. @return false if that failed; edge->failed is set
@@ -365,13 +365,17 @@ lwi_edge_plane_result lwi_edge_plane_test( lwi_edge* edge, const lwi_edge_pair* 
 /// Tries to prove a pair in a window: planes, then the distance in its middle.
 lwi_edge_sample lwi_edge_certify( lwi_edge* edge, lwi_edge_pair* pair, lwi_edge_window window );
 
-/// False for windows of a level that the gate has proved for a pair.
-static inline bool lwi_edge_cell_is_open( const lwi_edge_pair* pair, uint64_t cell, int level )
+/// Windows of the gate that the window [cell, cell + 1] / 2^level touches.
+static inline uint8_t lwi_edge_cells_of( uint64_t cell, int level )
 {
 	const int finer = LWI_GATE_LEVEL - level;
-	const uint32_t cells = pair->cells;
-	return finer >= 0 ? ( cells >> ( cell << finer ) & ( ( 1u << ( 1 << finer ) ) - 1 ) ) != 0
-					  : ( cells >> ( cell >> -finer ) & 1 ) != 0;
+	return (uint8_t)( finer >= 0 ? ( ( 1u << ( 1 << finer ) ) - 1 ) << ( cell << finer ) : 1u << ( cell >> -finer ) );
+}
+
+/// False for windows that the gate has proved for a pair.
+static inline bool lwi_edge_cell_is_open( const lwi_edge_pair* pair, uint64_t cell, int level )
+{
+	return ( pair->cells & lwi_edge_cells_of( cell, level ) ) != 0;
 }
 
 /// The verdict for a sample that ends the proof; always false. An undecided verdict never replaces a collision found elsewhere.

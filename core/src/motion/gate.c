@@ -29,7 +29,7 @@ typedef struct gate
 	double half;                     ///< width of half a window
 	double rounding;                 ///< of places in the lanes, for one of two
 	bool tested;                     ///< else all lanes are open: joints turn too much
-	bool covered;                    ///< tables hold along the path
+	bool covered;                    ///< tables hold along the path; for the robot itself
 } gate;
 
 /// Halvings before a pair is measured: not in windows in which its bodies go far or leave the lines between their poses too far, except where
@@ -492,8 +492,7 @@ static gate make_gate( lwi_edge* e )
 		.clusters = e->query->scratch.lane_spheres,
 		.half = half,
 		.rounding = 2 * lwi_motion_rounding( e->path.motion ),
-		.tested = lwi_motion_rotation( e->path.motion ) * half <= MOST_ROTATION,
-		.covered = lwi_path_is_covered( e ) };
+		.tested = lwi_motion_rotation( e->path.motion ) * half <= MOST_ROTATION };
 }
 
 void lwi_edge_gate_begin( lwi_edge* e )
@@ -505,11 +504,12 @@ void lwi_edge_gate_begin( lwi_edge* e )
 
 bool lwi_edge_gate( lwi_edge* e, bool to_the_end )
 {
-	const gate g = make_gate( e );
+	gate g = make_gate( e );
 	if ( !test_environment( &g, to_the_end ) )
 	{
 		return false;
 	}
+	g.covered = lwi_path_is_covered( e );
 	test_self( &g );
 	return true;
 }

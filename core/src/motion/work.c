@@ -25,11 +25,9 @@ static lwi_edge_window place_of( const lwi_edge* e, const lwi_open_window* w )
 		return ( lwi_edge_window ){ 1, 0, 0xff, 0xff }; // nothing moves: one state, the given one
 	}
 	const double width = ldexp( e->work.end, -(int)w->level );
-	const int finer = LWI_GATE_LEVEL - (int)w->level;
-	const uint32_t cells =
-		finer >= 0 ? ( ( 1u << ( 1 << finer ) ) - 1 ) << ( w->cell << finer ) : 1u << ( w->cell >> -finer );
-	return ( lwi_edge_window ){ ( (double)w->cell + 0.5 ) * width, 0.5 * width, (uint8_t)cells,
-		(uint8_t)( finer >= 0 ? cells : 0 ) };
+	const uint8_t cells = lwi_edge_cells_of( w->cell, w->level );
+	return (
+		lwi_edge_window ){ ( (double)w->cell + 0.5 ) * width, 0.5 * width, cells, w->level <= LWI_GATE_LEVEL ? cells : 0 };
 }
 
 void lwi_work_begin( lwi_edge* e, double end, bool from_left )
@@ -262,7 +260,7 @@ static bool measure_cell( lwi_edge* e, lwi_open_window* windows, uint32_t count,
 	return high;
 }
 
-/// Everything in a first window, through the gate. What it leaves open gets on the list. @return false if a state is not free
+/// Passes all pairs of a first window through the gate, and lists windows of those that it leaves open. @return false if a state is not free
 static bool begin_first( lwi_edge* e )
 {
 	lwi_work* w = &e->work;

@@ -151,6 +151,12 @@ static void lane_boxes( const lwi_batch_point* point, const lwi_box8* boxes, uin
 	}
 }
 
+/// c0 x + c1 y + c2 z
+static inline f8 lane_sum( f8 c0, f8 x, f8 c1, f8 y, f8 c2, f8 z )
+{
+	return f8_add( f8_add( f8_mul( c0, x ), f8_mul( c1, y ) ), f8_mul( c2, z ) );
+}
+
 static void lane_frame( const lwi_lane_motion* restrict above, const lwi_lane_joint* restrict joint,
 	const double* restrict cosine, const double* restrict sine, const double* restrict value, lwi_lane_motion* restrict out )
 {
@@ -177,11 +183,9 @@ static void lane_frame( const lwi_lane_motion* restrict above, const lwi_lane_jo
 		const f8 p0 = f8_load( above->r[3 * i] ), p1 = f8_load( above->r[3 * i + 1] ), p2 = f8_load( above->r[3 * i + 2] );
 		for ( int k = 0; k < 3; ++k )
 		{
-			f8_store( out->r[3 * i + k],
-				f8_add( f8_add( f8_mul( p0, b[k] ), f8_mul( p1, b[3 + k] ) ), f8_mul( p2, b[6 + k] ) ) );
+			f8_store( out->r[3 * i + k], lane_sum( p0, b[k], p1, b[3 + k], p2, b[6 + k] ) );
 		}
-		const f8 sum = f8_add( f8_add( f8_mul( p0, at[0] ), f8_mul( p1, at[1] ) ), f8_mul( p2, at[2] ) );
-		f8_store( out->t[i], f8_add( sum, f8_load( above->t[i] ) ) );
+		f8_store( out->t[i], f8_add( lane_sum( p0, at[0], p1, at[1], p2, at[2] ), f8_load( above->t[i] ) ) );
 	}
 }
 
@@ -207,8 +211,7 @@ static void lane_of_batch( const lwi_batch_frame* restrict frame, const double o
 /// Rows of m, with the given columns.
 static inline f8 lane_dot( const float ( *row )[LWI_WIDTH], f8 x, f8 y, f8 z )
 {
-	return f8_add( f8_add( f8_mul( f8_load( row[0] ), x ), f8_mul( f8_load( row[1] ), y ) ),
-		f8_mul( f8_load( row[2] ), z ) );
+	return lane_sum( f8_load( row[0] ), x, f8_load( row[1] ), y, f8_load( row[2] ), z );
 }
 
 static void lane_point( const lwi_lane_motion* frame, const double local[3], const double from[3], lwi_batch_point* out )
@@ -237,24 +240,18 @@ static void lane_body( const lwi_lane_motion* restrict frame, const double r[3][
 	}
 }
 
-/// c0 x + c1 y + c2 z
-static inline f8 lane_sum( f8 c0, f8 x, f8 c1, f8 y, f8 c2, f8 z )
-{
-	return f8_add( f8_add( f8_mul( c0, x ), f8_mul( c1, y ) ), f8_mul( c2, z ) );
-}
-
-static void lane_relative( const lwi_lane_motion* restrict body, const double r[3][3], const double t[3],
+/// A body in a frame with the rows r and the place t.
+static inline void lane_seen_from( const lwi_lane_motion* restrict body, const f8 r[9], const f8 t[3],
 	lwi_lane_motion* restrict out )
 {
 	f8 from[3];
 	for ( int i = 0; i < 3; ++i )
 	{
-		from[i] = f8_sub( f8_load( body->t[i] ), f8_set( (float)t[i] ) );
+		from[i] = f8_sub( f8_load( body->t[i] ), t[i] );
 	}
 	for ( int i = 0; i < 3; ++i )
 	{
-		// a row of the inverse
-		const f8 c0 = f8_set( (float)r[0][i] ), c1 = f8_set( (float)r[1][i] ), c2 = f8_set( (float)r[2][i] );
+		const f8 c0 = r[i], c1 = r[3 + i], c2 = r[6 + i]; // a row of the inverse
 		for ( int k = 0; k < 3; ++k )
 		{
 			f8_store( out->r[3 * i + k],
@@ -264,25 +261,28 @@ static void lane_relative( const lwi_lane_motion* restrict body, const double r[
 	}
 }
 
+static void lane_relative( const lwi_lane_motion* restrict body, const double r[3][3], const double t[3],
+	lwi_lane_motion* restrict out )
+{
+	f8 rows[9], place[3];
+	for ( int i = 0; i < 9; ++i )
+	{
+		rows[i] = f8_set( (float)r[i / 3][i % 3] );
+		place[i % 3] = f8_set( (float)t[i % 3] );
+	}
+	lane_seen_from( body, rows, place, out );
+}
+
 static void lane_between( const lwi_lane_motion* restrict a, const lwi_lane_motion* restrict b,
 	lwi_lane_motion* restrict out )
 {
-	f8 from[3];
-	for ( int i = 0; i < 3; ++i )
+	f8 rows[9], place[3];
+	for ( int i = 0; i < 9; ++i )
 	{
-		from[i] = f8_sub( f8_load( a->t[i] ), f8_load( b->t[i] ) );
+		rows[i] = f8_load( b->r[i] );
+		place[i % 3] = f8_load( b->t[i % 3] );
 	}
-	for ( int i = 0; i < 3; ++i )
-	{
-		// a row of the inverse
-		const f8 c0 = f8_load( b->r[i] ), c1 = f8_load( b->r[3 + i] ), c2 = f8_load( b->r[6 + i] );
-		for ( int k = 0; k < 3; ++k )
-		{
-			f8_store( out->r[3 * i + k],
-				lane_sum( c0, f8_load( a->r[k] ), c1, f8_load( a->r[3 + k] ), c2, f8_load( a->r[6 + k] ) ) );
-		}
-		f8_store( out->t[i], lane_sum( c0, from[0], c1, from[1], c2, from[2] ) );
-	}
+	lane_seen_from( a, rows, place, out );
 }
 
 /// One point of a body, moved in each lane.
@@ -293,8 +293,7 @@ static inline v3 lane_move( const lwi_lane_motion* m, float x, float y, float z 
 	f8* const d[3] = { &out.x, &out.y, &out.z };
 	for ( int i = 0; i < 3; ++i )
 	{
-		const f8 sum = f8_add( f8_mul( f8_load( m->r[3 * i] ), px ), f8_mul( f8_load( m->r[3 * i + 1] ), py ) );
-		*d[i] = f8_add( f8_add( sum, f8_mul( f8_load( m->r[3 * i + 2] ), pz ) ), f8_load( m->t[i] ) );
+		*d[i] = f8_add( lane_dot( &m->r[3 * i], px, py, pz ), f8_load( m->t[i] ) );
 	}
 	return out;
 }
