@@ -107,7 +107,7 @@ RobotPtr randomNeighbours( SeededRng& rng )
 	return model.create();
 }
 
-/// Three joints in a row.
+/// Three joints in a row, some of them with more than a turn between their limits.
 RobotPtr randomChain( SeededRng& rng )
 {
 	static const lw_joint_type types[] = { LW_JOINT_REVOLUTE, LW_JOINT_CONTINUOUS, LW_JOINT_PRISMATIC };
@@ -120,7 +120,7 @@ RobotPtr randomChain( SeededRng& rng )
 			lw_joint_def& joint = model.joint( "link" + std::to_string( i ), types[rng.integer( 0, 2 )], i - 1 );
 			joint.parent_from_joint = randomTransform( rng, 0.2 );
 			joint.lower = rng.uniform( -3, 0 );
-			joint.upper = joint.lower + rng.uniform( 0.1, 3 );
+			joint.upper = joint.lower + ( rng.integer( 0, 2 ) == 0 ? rng.uniform( 5, 14 ) : rng.uniform( 0.1, 3 ) );
 		}
 		model.body( i, randomPrimitive( rng, 0.08, nullptr ), randomTransform( rng, 0.1 ) );
 	}

@@ -99,6 +99,26 @@ TEST( ReachPairs, SubdivisionAloneFindsTheLeastDistance )
 	}
 }
 
+// A wheel turns around the base with a gap that stays the same. All of 0.2 mm is of no use to an edge, and took most of the time.
+TEST( ReachPairs, ASeparationIsNotRaisedByLessThanEdgesUse )
+{
+	for ( double gap : { 2e-4, 2e-3 } )
+	{
+		RobotModel model;
+		model.link( "base" );
+		addBall( model, 0, 0.1 );
+		addJoint( model, "wheel", LW_JOINT_CONTINUOUS, 0, 0, 0, 0 );
+		addBall( model, 1, 0.1, 0.2 + gap );
+		RobotPtr robot = model.create();
+		ReachPtr reach = makeReach( robot.get(), 60 );
+		const lw_reach_pair pair = pairOf( reach, 0, 1 );
+		EXPECT_TRUE( lw_reach_get_info( reach.get() ).complete ) << gap;
+		EXPECT_NEAR( pair.closest, gap, 1e-9 );
+		EXPECT_GT( pair.separation, 0 ) << gap;
+		EXPECT_EQ( pair.separation > 0.2 * gap, gap > 1e-3 ) << pair.separation;
+	}
+}
+
 TEST( ReachPairs, ContactInACornerOfTheBoxIsFound )
 {
 	// both joints must be within a few percent of their limits
@@ -208,23 +228,51 @@ TEST( ReachPairs, HalfOfAnEndlessAngleIsNoAngle )
 {
 	// The hand follows the wheel by one half: within one turn of the wheel it stays on its side, after two it has been
 	// everywhere
-	RobotModel model;
-	model.link( "base" );
-	addBall( model, 0, 0.1, -0.5 );
-	addJoint( model, "wheel", LW_JOINT_CONTINUOUS, 0, 0, 0, 0 );
-	addPin( model, 1 );
-	addJoint( model, "pin", LW_JOINT_REVOLUTE, 0, 0, 0, 0 );
-	addPin( model, 2 );
-	addJoint( model, "hand", LW_JOINT_CONTINUOUS, 2, 0, 0, 0 );
-	model.joints[2].mimic = 0;
-	model.joints[2].mimic_multiplier = 0.5;
-	addBall( model, 3, 0.1, 0.5 );
-	RobotPtr robot = model.create();
-	ASSERT_NE( robot, nullptr );
-	ReachPtr reach = makeReach( robot.get(), 0.5 );
-	lw_reach_pair pair = pairOf( reach, 0, 3 );
-	EXPECT_EQ( pair.kind, LW_PAIR_CHECK );
-	EXPECT_EQ( pair.separation, 0.0 );
+	for ( lw_joint_type type : { LW_JOINT_CONTINUOUS, LW_JOINT_REVOLUTE } )
+	{
+		RobotModel model;
+		model.link( "base" );
+		addBall( model, 0, 0.1, -0.5 );
+		addJoint( model, "wheel", type, 0, 0, -2 * M_PI, 2 * M_PI );
+		addPin( model, 1 );
+		addJoint( model, "pin", LW_JOINT_REVOLUTE, 0, 0, 0, 0 );
+		addPin( model, 2 );
+		addJoint( model, "hand", LW_JOINT_CONTINUOUS, 2, 0, 0, 0 );
+		model.joints[2].mimic = 0;
+		model.joints[2].mimic_multiplier = 0.5;
+		addBall( model, 3, 0.1, 0.5 );
+		RobotPtr robot = model.create();
+		ASSERT_NE( robot, nullptr );
+		ReachPtr reach = makeReach( robot.get(), 0.5, 0 );
+		lw_reach_pair pair = pairOf( reach, 0, 3 );
+		EXPECT_EQ( pair.kind, LW_PAIR_CHECK );
+		EXPECT_EQ( pair.separation, 0.0 );
+	}
+}
+
+// Seven turns stand with one, seen from the middle of their limits: the evidence may not be a turn beyond them.
+TEST( ReachPairs, AllTurnsOfARangeAreProvedWithOne )
+{
+	for ( double lower : { 0.5, -30.0, -44.0 } )
+	{
+		RobotModel model;
+		model.link( "base" );
+		addBall( model, 0, 0.1 );
+		addJoint( model, "pin", LW_JOINT_REVOLUTE, 0, 1, -0.1, 0.1 );
+		addPin( model, 1 );
+		addJoint( model, "wheel", LW_JOINT_REVOLUTE, 1, 0, lower, lower + 14 * M_PI );
+		addBall( model, 2, 0.1, 0.5 );
+		RobotPtr robot = model.create();
+		ReachPtr reach = makeReach( robot.get(), 60 );
+		lw_reach_pair pair = pairOf( reach, 0, 2 );
+		EXPECT_TRUE( lw_reach_get_info( reach.get() ).complete );
+		EXPECT_EQ( pair.kind, LW_PAIR_NEVER );
+		EXPECT_NEAR( pair.closest, 0.3, 0.01 );
+		EXPECT_GT( pair.separation, 0.2 );
+		PairAttacker attacker( reach.get(), 2 );
+		attacker.checkEvidence( 2, 0 );
+		EXPECT_GE( attacker.attack( 0, 2, 200, 200 ), pair.separation );
+	}
 }
 
 TEST( ReachPairs, LimitsReversedAreRefusedByTheRobot )

@@ -6,7 +6,7 @@
 enum
 {
 	BLOB_COOKIE = 0x6c77426c, // "lwBl"
-	VERSION = 6,              // raised when the format, or the promises of its contents, change
+	VERSION = 7,              // raised when the format, or the promises of its contents, change
 	SECTION_SHAPE = 1,        // shapes come first
 	SECTION_REACH = 2         // at most one, last
 };

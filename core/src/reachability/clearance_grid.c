@@ -15,7 +15,7 @@
 enum
 {
 	FINE_BITS = 6,       ///< halvings of a cell along each axis, at most
-	PARTS_OF_CELL = 24,  ///< parts of a cell that the search keeps apart, at most
+	PARTS_OF_CELL = 16,  ///< parts of a cell that the search keeps apart, at most
 	PARTS_OF_FINE = 6,   ///< the same in a grid whose cells had a coarser cell's parts before
 	FINE_GRID_BITS = 13, ///< of the number of cells of such a grid
 	SLAB_BITS = 6,       ///< of the number of cells that are made in one go: a run without time for so many would never end
@@ -29,8 +29,9 @@ enum
 /// MOST.
 #define ENOUGH 0x1p-4
 #define MOST 0x1p-3
-/// Relative tolerance of distances.
+/// Relative tolerance of distances, and of those of parts that may yet be cut.
 #define GRID_ALPHA 0.05
+#define ROUGH_ALPHA 0.6
 /// Metres off every bound, for roundings of its last operations; and the motion up to which these are that small.
 #define GRID_ROUNDING 1e-9
 #define GRID_LARGEST 1e5
@@ -43,12 +44,9 @@ enum
 static bool add_joint( const lw_reach* reach, const lwi_joint* joint, lwi_grid* grid )
 {
 	uint32_t count = joint->type == LW_JOINT_PLANAR ? 3 : 1;
-	bool angle = joint->type == LW_JOINT_REVOLUTE || joint->type == LW_JOINT_CONTINUOUS;
-	bool whole = joint->multiplier == floor( joint->multiplier );
 	for ( uint32_t k = 0; k < count; ++k )
 	{
 		uint32_t v = joint->variable + k, i = 0;
-		bool periodic = ( angle && whole ) || ( joint->type == LW_JOINT_PLANAR && k == 2 );
 		while ( i < grid->dimension && grid->axes[i].variable != v )
 		{
 			++i;
@@ -61,10 +59,10 @@ static bool add_joint( const lw_reach* reach, const lwi_joint* joint, lwi_grid* 
 		if ( i == grid->dimension )
 		{
 			*axis = ( lwi_grid_axis ){ .variable = v, .lower = reach->lower[v], .upper = reach->upper[v] };
-			axis->periodic = !isfinite( axis->lower ) && !isfinite( axis->upper );
+			axis->periodic = lwi_variable_turns( reach, v );
 			grid->dimension++;
 		}
-		if ( axis->periodic ? !periodic : !isfinite( axis->lower ) || !isfinite( axis->upper ) )
+		if ( !axis->periodic && !( isfinite( axis->lower ) && isfinite( axis->upper ) ) )
 		{
 			return false;
 		}
@@ -133,6 +131,7 @@ typedef struct block
 	double motion;       ///< by how much the distance may differ elsewhere in the block
 	uint32_t widest;     ///< axis along which it is to be halved; LW_INVALID_INDEX: none
 	double share;        ///< of that axis in the motion
+	bool rough;          ///< measured with ROUGH_ALPHA
 } block;
 
 typedef struct maker
@@ -191,7 +190,8 @@ static void choose_axis( const maker* m, block* b, uint32_t least )
 }
 
 /// Measures a block at its centre: proves its lower bound and chooses the axis along which it would be halved.
-static void measure( maker* m, block* b, uint32_t least_level )
+/// @param least_level of axes along which it may be halved @param most bound that is enough
+static void measure( maker* m, block* b, uint32_t least_level, double most, bool rough )
 {
 	lwi_pair_analyser* p = m->analyser;
 	if ( ++m->seen % BLOCKS_PER_LOOK == 0 )
@@ -209,12 +209,13 @@ static void measure( maker* m, block* b, uint32_t least_level )
 		return; // nothing is needed, or the parent's distance shows that a measurement gains nothing
 	}
 	// for distances too small to raise the bound, any upper bound of the distance will do
-	lw_range range = { needed + b->lower, MOST + needed + GRID_ROUNDING, GRID_ALPHA };
+	lw_range range = { needed + b->lower, most + needed + GRID_ROUNDING, rough ? ROUGH_ALPHA : GRID_ALPHA };
 	lwi_bound bound;
 	lwi_pair_analyser_measure_links( p, p->poses, p->link_a, p->link_b, &range, &b->nearest, &bound );
 	lw_clearance clearance = lwi_bound_result( &bound );
 	b->lower = fmax( b->lower, clearance.lower - needed );
 	b->distance = clearance.upper;
+	b->rough = rough;
 }
 
 /// Halves *b: it becomes the lower half, neither is measured.
@@ -242,7 +243,18 @@ static bool is_cell( const maker* m, const block* b )
 	return cell;
 }
 
-/// Proves more of a cell by its parts, the worst one first, and returns the bound proved for the whole cell.
+static block* worst_of( block* parts, uint32_t count )
+{
+	block* worst = &parts[0];
+	for ( uint32_t i = 1; i < count; ++i )
+	{
+		worst = parts[i].lower < worst->lower ? &parts[i] : worst;
+	}
+	return worst;
+}
+
+/// Proves more of a cell by its parts, the worst one first, and returns the bound proved for the whole cell. Parts are measured
+/// roughly, as most will be cut, and as far as a good cell needs; those that are the worst at the end once more.
 static double prove_cell( maker* m, const block* cell )
 {
 	block parts[PARTS_OF_CELL] = { *cell };
@@ -252,22 +264,26 @@ static double prove_cell( maker* m, const block* cell )
 		return cell->lower; // parts are not that much smaller
 	}
 	choose_axis( m, &parts[0], 0 ); // shares are still those of this cell
-	for ( uint32_t count = 1;; ++count )
+	for ( uint32_t count = 1;; )
 	{
-		block* worst = &parts[0];
-		for ( uint32_t i = 1; i < count; ++i )
-		{
-			worst = parts[i].lower < worst->lower ? &parts[i] : worst;
-		}
-		bool good = worst->lower >= fmin( GOOD_CELL * nearest, ENOUGH );
-		if ( good || nearest < LWI_GRID_STEP || count == m->parts || worst->widest == LW_INVALID_INDEX || m->late )
+		block* worst = worst_of( parts, count );
+		double good = fmin( GOOD_CELL * nearest, ENOUGH );
+		bool whole = count == m->parts || worst->widest == LW_INVALID_INDEX;
+		if ( worst->lower >= good || nearest < LWI_GRID_STEP || m->late || ( whole && !worst->rough ) )
 		{
 			return worst->lower;
 		}
-		parts[count] = halve( worst );
-		measure( m, worst, 0 );
-		measure( m, &parts[count], 0 );
-		nearest = fmin( nearest, fmin( worst->distance, parts[count].distance ) );
+		if ( whole )
+		{
+			measure( m, worst, 0, good, false );
+			worst->rough = false; // also if a measurement would gain nothing
+			continue;
+		}
+		block* other = &parts[count++];
+		*other = halve( worst );
+		measure( m, worst, 0, good, true );
+		measure( m, other, 0, good, true );
+		nearest = fmin( nearest, fmin( worst->distance, other->distance ) );
 	}
 }
 
@@ -354,7 +370,7 @@ static void make_cells( maker* m, block slab )
 	{
 		block* b = &stack[waiting];
 		b->lower = fmax( fmax( b->lower, m->separation ), fill( m, b, 0 ) * LWI_GRID_STEP ); // bounds known already
-		measure( m, b, FINE_BITS );
+		measure( m, b, FINE_BITS, MOST, false );
 		bool cell = is_cell( m, b );
 		bool good = b->lower >= fmin( GOOD_BLOCK * ( b->distance + b->motion ), ENOUGH );
 		if ( cell || good )

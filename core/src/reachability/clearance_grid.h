@@ -28,7 +28,7 @@ enum
 /// some 2^-51 of the larger end: cells are proved with this much of |lower| + |upper| on both sides.
 #define LWI_GRID_OVERLAP 0x1p-40
 
-/// An angle without limits beyond this, in radians, is in no cell: its turns could not be taken off exactly enough.
+/// A periodic angle beyond this, in radians, is in no cell: its turns could not be taken off exactly enough.
 #define LWI_GRID_LARGEST_ANGLE 100.0
 
 /// 2^bits cells of the same width from lower to upper.
@@ -36,7 +36,7 @@ typedef struct lwi_grid_axis
 {
 	uint32_t variable;
 	uint8_t bits;
-	bool periodic; ///< an angle without limits: lower and upper are one turn apart, and all values are taken to between them
+	bool periodic; ///< lwi_variable_turns(): lower and upper are one turn apart, and all values are taken to between them
 	double lower, upper;
 } lwi_grid_axis;
 

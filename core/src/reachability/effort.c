@@ -13,6 +13,7 @@ enum
 	FIRST_CELLS = 500,         ///< of a proof in the first round
 	ROUND_GROWTH = 4,          ///< each round has as many times more
 	LAST_ROUND = 6,            ///< 2 million cells: a proof that takes more is given up
+	LAST_RAISE = 3,            ///< 32,000 cells: one that only raises a separation
 	SEARCH_SHARE = 20,         ///< a round's search for contact has this many times fewer measurements than its proof cells
 	LONGEST_SEARCH = 1000,     ///< measurements; a search does not check the clock
 	MOST_GRID_BYTES = 1 << 26, ///< of one reach
@@ -20,7 +21,10 @@ enum
 };
 
 /// Share of the box that a proof must have certified to be in the last round.
-#define LEAST_DONE 0.01
+#define LEAST_DONE 0.1
+
+/// Metres by which a proof has to raise a separation: edges pass over pairs above a quarter of their slack, 1 mm by default.
+#define LEAST_RAISE 2.5e-4
 
 /// Bits of the number of cells, by rounds and the number of variables: coarse grids of all pairs come before fine ones of
 /// any.
@@ -59,7 +63,8 @@ double lwi_effort_aim( const lw_reach_pair* pair, const lwi_effort* effort )
 	}
 	for ( int i = 0; i < FRACTION_COUNT && !pair->allowed; ++i )
 	{
-		if ( 0.95 * fractions[i] * pair->closest > pair->separation )
+		double aim = fractions[i] * pair->closest;
+		if ( 0.95 * aim > pair->separation && aim > pair->separation + LEAST_RAISE )
 		{
 			return fractions[i];
 		}
@@ -98,6 +103,12 @@ typedef struct effort_round
 	uint32_t number;
 	double deadline;
 } effort_round;
+
+/// The round with the most cells for a proof of this pair.
+static uint32_t last_round( const lw_reach_pair* pair )
+{
+	return pair->separation > 0 ? LAST_RAISE : LAST_ROUND;
+}
 
 static uint64_t cells_of( uint32_t number )
 {
@@ -160,9 +171,9 @@ static bool is_in_reach( const effort_round* r, lwi_pair_analyser* analyser, con
 
 /// True if a proof has had all cells that it may have, or all but those of the last round and hardly anything to show for
 /// them.
-static bool is_too_large( const lwi_pair_analyser* analyser, const lwi_effort* effort )
+static bool is_too_large( const lwi_pair_analyser* analyser, const lw_reach_pair* pair, const lwi_effort* effort )
 {
-	return effort->cells >= cells_of( LAST_ROUND ) ||
+	return effort->cells >= cells_of( last_round( pair ) ) ||
 		   ( effort->cells >= cells_of( LAST_ROUND - 1 ) && lwi_effort_open_share( analyser, effort ) > 1 - LEAST_DONE );
 }
 
@@ -187,7 +198,8 @@ static bool attempt( const effort_round* r, lwi_pair_analyser* analyser, const l
 		pair->proof = LW_PROOF_SUBDIVISION;
 	}
 	effort->flags |= outcome == LWI_PROOF_HOPELESS ? (uint32_t)LWI_EFFORT_HOPELESS : 0u;
-	bool gives_up = outcome == LWI_PROOF_TOO_FINE || ( outcome == LWI_PROOF_EXHAUSTED && is_too_large( analyser, effort ) );
+	bool gives_up =
+		outcome == LWI_PROOF_TOO_FINE || ( outcome == LWI_PROOF_EXHAUSTED && is_too_large( analyser, pair, effort ) );
 	if ( gives_up )
 	{
 		lwi_effort_drop( r->analysers->job->reach, effort, pair->variable_count );
@@ -205,7 +217,8 @@ static void prove_pair( const effort_round* r, lwi_pair_analyser* analyser, cons
 {
 	lw_reach_pair* pair = active->pair;
 	lwi_effort* effort = active->effort;
-	uint64_t budget = cells_of( r->number );
+	uint32_t last = last_round( pair );
+	uint64_t budget = cells_of( r->number < last ? r->number : last );
 	lwi_pair_analyser_select( analyser, active->link_a, active->link_b );
 	if ( !analyser->bounded || analyser->variable_count == 0 || analyser->variable_count != pair->variable_count )
 	{
@@ -228,7 +241,7 @@ static void prove_pair( const effort_round* r, lwi_pair_analyser* analyser, cons
 		more = fraction > 0 && effort->cells < budget && is_in_reach( r, analyser, active, fraction, budget ) &&
 			   attempt( r, analyser, active, fraction, budget ) && r->step == STEP_IMPROVE;
 	}
-	bool hopeless = r->number == LAST_ROUND && effort->expected > (double)IN_REACH * (double)budget;
+	bool hopeless = r->number >= last && effort->expected > (double)IN_REACH * (double)budget;
 	if ( hopeless )
 	{
 		lwi_effort_drop( r->analysers->job->reach, effort, pair->variable_count );

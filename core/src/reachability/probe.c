@@ -195,28 +195,26 @@ static uint32_t joint_variables( const lwi_joint* joint )
 	return joint->type == LW_JOINT_PLANAR ? 3 : joint->type == LW_JOINT_FLOATING ? 7 : 1;
 }
 
-/// True if adding a turn to the variable changes no pose of the chain: an angle, followed by whole multiples only.
-static bool is_periodic( const lwi_pair_analyser* p, uint32_t variable )
+bool lwi_variable_turns( const lw_reach* reach, uint32_t variable )
 {
-	for ( uint32_t i = 0; i < p->way_count; ++i )
+	const lw_robot* robot = reach->robot;
+	bool turns = reach->upper[variable] - reach->lower[variable] >= 2 * LWI_PI + 2 * LWI_TURN_ROUNDING;
+	for ( uint32_t i = 0; i < robot->joint_count && turns; ++i )
 	{
-		const lwi_joint* joint = &p->robot->joints[p->way_a[i]];
-		if ( variable < joint->variable || variable >= joint->variable + joint_variables( joint ) )
+		const lwi_joint* joint = &robot->joints[i];
+		if ( joint->constant || variable < joint->variable || variable >= joint->variable + joint_variables( joint ) )
 		{
 			continue;
 		}
 		bool angle = joint->type == LW_JOINT_REVOLUTE || joint->type == LW_JOINT_CONTINUOUS;
 		bool whole = joint->multiplier == floor( joint->multiplier );
 		bool theta = joint->type == LW_JOINT_PLANAR && variable == joint->variable + 2;
-		if ( !( angle && whole ) && !theta )
-		{
-			return false;
-		}
+		turns = ( angle && whole ) || theta;
 	}
-	return true;
+	return turns;
 }
 
-/// The range to be proved: limits widened, or one whole turn (and the rounding of pi) of an angle without limits.
+/// The range to be proved: limits widened, or one whole turn (and the rounding of pi) of an angle that has more.
 static void set_box( lwi_pair_analyser* p )
 {
 	const lw_reach* reach = p->job->reach;
@@ -226,10 +224,12 @@ static void set_box( lwi_pair_analyser* p )
 		uint32_t v = p->variables[i];
 		p->lower[v] = reach->lower[v];
 		p->upper[v] = reach->upper[v];
-		if ( !isfinite( p->lower[v] ) && !isfinite( p->upper[v] ) && is_periodic( p, v ) )
+		if ( lwi_variable_turns( reach, v ) )
 		{
-			p->lower[v] = -LWI_PI - 1e-12;
-			p->upper[v] = LWI_PI + 1e-12;
+			double middle = 0.5 * p->lower[v] + 0.5 * p->upper[v]; // in the limits, as evidence has to be
+			middle = isfinite( middle ) ? middle : 0;
+			p->lower[v] = middle - LWI_PI - LWI_TURN_ROUNDING;
+			p->upper[v] = middle + LWI_PI + LWI_TURN_ROUNDING;
 		}
 		bool floating = p->robot->joints[p->robot->variables[v].joint].type == LW_JOINT_FLOATING;
 		p->bounded = p->bounded && !floating && isfinite( p->lower[v] ) && isfinite( p->upper[v] );

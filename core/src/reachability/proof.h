@@ -62,6 +62,13 @@ typedef struct lwi_pair_analyser
 lw_status lwi_pair_analyser_create( const lwi_reach_job* job, lwi_pair_analyser** out_analyser );
 void lwi_pair_analyser_destroy( lwi_pair_analyser* analyser ); ///< NULL is ignored
 
+/// Radians by which a turn that is proved is wider, on both sides, for the rounding of pi.
+#define LWI_TURN_ROUNDING 1e-12
+
+/// True if a variable has a turn or more between its limits and a turn more changes no pose of the robot: angles that follow it
+/// do so by whole multiples. Then one turn stands for all of its range.
+bool lwi_variable_turns( const lw_reach* reach, uint32_t variable );
+
 /// Selects a pair of different links.
 void lwi_pair_analyser_select( lwi_pair_analyser* analyser, uint32_t link_a, uint32_t link_b );
 

@@ -16,6 +16,9 @@ enum
 	HALVINGS = 12         ///< from a quarter of the range to 6e-5 of it
 };
 
+/// A state is nearer if its distance is less than this share of the least one: to tell equal ones apart costs the most.
+#define NEARER 0.98
+
 /// One descent: the best state is in analyser->best.
 typedef struct descent
 {
@@ -40,7 +43,7 @@ static bool try_trial( descent* d )
 {
 	lwi_pair_analyser* p = d->analyser;
 	++d->used;
-	double found = lwi_pair_analyser_distance( p, p->trial, d->value );
+	double found = lwi_pair_analyser_distance( p, p->trial, NEARER * d->value );
 	if ( found < d->value )
 	{
 		d->value = found;
