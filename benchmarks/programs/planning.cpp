@@ -34,7 +34,7 @@ struct Settings
 	std::string data = LEEWAY_DATA_DIR, html, only, zoo, files, paths;
 	std::vector<std::string> planners, ranges, modules, rows;
 	int problems = 5, runs = 3;
-	double seconds = 5, budget = 1;
+	double seconds = 5, budget = 10;
 	double clearance_goal = 0, clearance_ms = 10;
 	bool planners_only = false, native_only = false, why = false;
 	std::uint64_t seed = 20260101;
@@ -455,7 +455,7 @@ void addPlanning( Bench& bench )
 	command.option( "--clearance-ms", s->clearance_ms, "milliseconds for each of these paths", POSITIVE );
 	command.option( "--module", s->modules,
 	    "planner of another library: a file, or the name of one beside the program; those are found without this, too" );
-	command.option( "--budget", s->budget, "seconds for pair proofs" );
+	command.option( "--budget", s->budget, "seconds for pair proofs, at most; a user has complete tables after few runs" );
 	command.flag(
 	    "--planners-only", s->planners_only, "without the rows of sampled motions, as with --planner and --range" );
 	command.flag( "--native-only", s->native_only, "leeway's planner only" );

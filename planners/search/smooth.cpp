@@ -19,6 +19,7 @@ namespace
 
 constexpr std::size_t most_states = 200; // no corners are cut in longer paths
 constexpr unsigned corner_tries = 2;     // a corner is cut at the middle of its edges, then at a quarter
+constexpr std::size_t least_join = 2;    // edges that later rounds replace by one, or a quarter of the path's states
 constexpr double least_piece = 0.02;     // share of an edge: points nearer to a state are replaced by the state
 constexpr double least_corner = 1e-3;    // share of the path's length that a cut corner has to save
 constexpr double least_shortcut = 5e-3;  // and a shortcut
@@ -54,7 +55,7 @@ public:
 		double length = total();
 		for ( unsigned round = 0; round < m_settings.rounds && m_path.count() > 2 && !over(); ++round )
 		{
-			joinStates();
+			joinStates( round == 0 ? m_path.count() : std::max( least_join, m_path.count() / 4 ) );
 			joinPoints();
 			cutCorners();
 			const double shorter = total();
@@ -63,10 +64,6 @@ public:
 				break;
 			}
 			length = shorter;
-		}
-		if ( !over() )
-		{
-			joinStates();
 		}
 		return m_validator.status();
 	}
@@ -154,13 +151,15 @@ private:
 		return free;
 	}
 
-	/// From each state straight to the last state that can be reached, where that saves enough.
-	void joinStates()
+	/// From each state straight to the last state that can be reached, where that saves enough. Later rounds gain little by it: cut
+	/// corners are new states beside old ones, and most far joins fail again.
+	/// @param most edges to be replaced by one
+	void joinStates( std::size_t most )
 	{
 		const double worth = least_shortcut * total();
 		for ( std::size_t i = 0; i + 2 < m_path.count(); ++i )
 		{
-			for ( std::size_t j = m_path.count() - 1; j > i + 1 && !over(); --j )
+			for ( std::size_t j = std::min( m_path.count() - 1, i + most ); j > i + 1 && !over(); --j )
 			{
 				if ( lengthBetween( i, j ) - m_space.distance( m_path[i], m_path[j] ) >= worth && canJoin( i, j ) )
 				{
