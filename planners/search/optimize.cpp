@@ -309,6 +309,7 @@ private:
 		SmoothSettings smoothing;
 		smoothing.edge = m_settings.search.edge;
 		smoothing.seed = m_random.next();
+		smoothing.later_joins = 1;
 		smoothing.rounds = 8; // milliseconds, beside a search of a tenth of a second
 		smoothing.gain = 0.002;
 		smoothing.shortcuts = 16;

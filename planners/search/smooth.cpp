@@ -19,7 +19,7 @@ namespace
 
 constexpr std::size_t most_states = 200; // no corners are cut in longer paths
 constexpr unsigned corner_tries = 2;     // a corner is cut at the middle of its edges, then at a quarter
-constexpr std::size_t least_join = 2;    // edges that later rounds replace by one, or a quarter of the path's states
+constexpr double least_join = 2;         // edges that later rounds replace by one, if a share of the path is less
 constexpr double least_piece = 0.02;     // share of an edge: points nearer to a state are replaced by the state
 constexpr double least_corner = 1e-3;    // share of the path's length that a cut corner has to save
 constexpr double least_shortcut = 5e-3;  // and a shortcut
@@ -55,7 +55,7 @@ public:
 		double length = total();
 		for ( unsigned round = 0; round < m_settings.rounds && m_path.count() > 2 && !over(); ++round )
 		{
-			joinStates( round == 0 ? m_path.count() : std::max( least_join, m_path.count() / 4 ) );
+			joinStates( round == 0 ? m_path.count() : laterJoins() );
 			joinPoints();
 			cutCorners();
 			const double shorter = total();
@@ -149,6 +149,12 @@ private:
 			m_failed.insert( names );
 		}
 		return free;
+	}
+
+	std::size_t laterJoins() const
+	{
+		return static_cast<std::size_t>(
+		    std::max( least_join, m_settings.later_joins * static_cast<double>( m_path.count() ) ) );
 	}
 
 	/// From each state straight to the last state that can be reached, where that saves enough. Later rounds gain little by it: cut
@@ -302,9 +308,9 @@ lw_status smooth( const lw_checker* checker, lw_query* query, const SmoothSettin
 	{
 		throw InputError( "leeway::planners: smooth: the path's dimension is not the checker's; give states of its group" );
 	}
-	if ( !( settings.gain >= 0 ) )
+	if ( !( settings.gain >= 0 && settings.later_joins >= 0 && settings.later_joins <= 1 ) )
 	{
-		throw InputError( "leeway::planners: SmoothSettings: gain must be at least 0" );
+		throw InputError( "leeway::planners: SmoothSettings: gain must be at least 0, later_joins 0 to 1" );
 	}
 	Statistics unused;
 	lw_query_reset( query );

@@ -204,6 +204,12 @@ TEST( NativeSmoother, UnusableInputIsRefused )
 	settings.gain = nan_value;
 	planners::Path path{ 2, { -0.8, -0.8 } };
 	EXPECT_THROW( planners::smooth( checker.get(), query.get(), settings, {}, path ), planners::InputError );
+	for ( double share : { -0.1, 1.1, nan_value } )
+	{
+		settings = {};
+		settings.later_joins = share;
+		EXPECT_THROW( planners::smooth( checker.get(), query.get(), settings, {}, path ), planners::InputError ) << share;
+	}
 }
 
 } // namespace

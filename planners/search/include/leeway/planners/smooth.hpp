@@ -11,9 +11,10 @@ struct SmoothSettings
 {
 	lw_edge_def edge = lw_edge_def_default(); ///< each new edge is FREE by it
 	std::uint64_t seed = 1;
-	/// At most; a round is shortcuts between states (after the first round over a quarter of the path at most), shortcuts between
-	/// points of edges, then cut corners.
+	/// At most; a round is shortcuts between states, shortcuts between points of edges, then cut corners.
 	unsigned rounds = 3;
+	/// [0, 1] share of the path that a shortcut between states replaces at most, after the first round; two edges always.
+	double later_joins = 0.25;
 	unsigned shortcuts = 8; ///< between random points of the path, tried in a round
 	double gain = 0.05;     ///< a round that shortens the path by less than this share is the last
 };
