@@ -151,6 +151,14 @@ public:
 	    : m_checker( checker ), m_robot( lw_checker_robot( checker ) ), m_full( lw_robot_variable_count( m_robot ) ),
 	      m_at( lw_robot_link_count( m_robot ) ), m_moved( m_at.size() )
 	{
+		for ( std::uint32_t i = 0; i < lw_robot_body_count( m_robot ); ++i )
+		{
+			const lw_body_def body = lw_robot_body( m_robot, i );
+			const lw_shape_info shape = lw_shape_peek_info( body.shape );
+			Ball ball{ body.link, {}, shape.sphere_radius };
+			apply( body.link_from_shape, shape.sphere_center, ball.center );
+			m_balls.push_back( ball );
+		}
 	}
 
 	/// @param speeds [variable count] raised to the speeds at q
@@ -175,6 +183,13 @@ public:
 	}
 
 private:
+	/// Around a body, in the frame of its link.
+	struct Ball
+	{
+		std::uint32_t link;
+		double center[3], radius;
+	};
+
 	static void apply( const lw_transform& x, const double* p, double* out )
 	{
 		for ( int row = 0; row < 3; ++row )
@@ -187,22 +202,19 @@ private:
 	double fastest() const
 	{
 		double most = 0;
-		for ( std::uint32_t i = 0; i < lw_robot_body_count( m_robot ); ++i )
+		for ( const Ball& ball : m_balls )
 		{
-			const lw_body_def body = lw_robot_body( m_robot, i );
-			const lw_shape_info shape = lw_shape_peek_info( body.shape );
-			double center[3], from[3], to[3], turn = 0;
-			apply( body.link_from_shape, shape.sphere_center, center );
-			const lw_transform &a = m_at[body.link], &b = m_moved[body.link];
-			apply( a, center, from );
-			apply( b, center, to );
+			double from[3], to[3], turn = 0;
+			const lw_transform &a = m_at[ball.link], &b = m_moved[ball.link];
+			apply( a, ball.center, from );
+			apply( b, ball.center, to );
 			for ( int k = 0; k < 9; ++k )
 			{
 				const double d = b.r[k / 3][k % 3] - a.r[k / 3][k % 3];
 				turn += d * d / 2;
 			}
-			most = std::max( most,
-			    std::hypot( to[0] - from[0], to[1] - from[1], to[2] - from[2] ) + std::sqrt( turn ) * shape.sphere_radius );
+			most = std::max(
+			    most, std::hypot( to[0] - from[0], to[1] - from[1], to[2] - from[2] ) + std::sqrt( turn ) * ball.radius );
 		}
 		return most;
 	}
@@ -211,6 +223,7 @@ private:
 	const lw_robot* m_robot;
 	std::vector<double> m_full;
 	std::vector<lw_transform> m_at, m_moved;
+	std::vector<Ball> m_balls;
 };
 
 bool isAngle( const lw_checker* checker, std::size_t variable )
