@@ -43,7 +43,7 @@ enum
 /// Enters the variables of a joint. @return false if it cannot be charted
 static bool add_joint( const lw_reach* reach, const lwi_joint* joint, lwi_grid* grid )
 {
-	uint32_t count = joint->type == LW_JOINT_PLANAR ? 3 : 1;
+	uint32_t count = lwi_joint_variable_count( joint );
 	for ( uint32_t k = 0; k < count; ++k )
 	{
 		uint32_t v = joint->variable + k, i = 0;
@@ -61,10 +61,10 @@ static bool add_joint( const lw_reach* reach, const lwi_joint* joint, lwi_grid* 
 			*axis = ( lwi_grid_axis ){ .variable = v, .lower = reach->lower[v], .upper = reach->upper[v] };
 			axis->periodic = lwi_variable_turns( reach, v );
 			grid->dimension++;
-		}
-		if ( !axis->periodic && !( isfinite( axis->lower ) && isfinite( axis->upper ) ) )
-		{
-			return false;
+			if ( !axis->periodic && !( isfinite( axis->lower ) && isfinite( axis->upper ) ) )
+			{
+				return false;
+			}
 		}
 	}
 	return true;

@@ -190,28 +190,10 @@ static uint32_t climb( lwi_pair_analyser* p, uint32_t link, uint32_t* way )
 	return count;
 }
 
-static uint32_t joint_variables( const lwi_joint* joint )
-{
-	return joint->type == LW_JOINT_PLANAR ? 3 : joint->type == LW_JOINT_FLOATING ? 7 : 1;
-}
-
 bool lwi_variable_turns( const lw_reach* reach, uint32_t variable )
 {
-	const lw_robot* robot = reach->robot;
-	bool turns = reach->upper[variable] - reach->lower[variable] >= 2 * LWI_PI + 2 * LWI_TURN_ROUNDING;
-	for ( uint32_t i = 0; i < robot->joint_count && turns; ++i )
-	{
-		const lwi_joint* joint = &robot->joints[i];
-		if ( joint->constant || variable < joint->variable || variable >= joint->variable + joint_variables( joint ) )
-		{
-			continue;
-		}
-		bool angle = joint->type == LW_JOINT_REVOLUTE || joint->type == LW_JOINT_CONTINUOUS;
-		bool whole = joint->multiplier == floor( joint->multiplier );
-		bool theta = joint->type == LW_JOINT_PLANAR && variable == joint->variable + 2;
-		turns = ( angle && whole ) || theta;
-	}
-	return turns;
+	double range = reach->upper[variable] - reach->lower[variable];
+	return range >= 2 * LWI_PI + 2 * LWI_TURN_ROUNDING && lwi_robot_turns( reach->robot, variable );
 }
 
 /// The range to be proved: limits widened, or one whole turn (and the rounding of pi) of an angle that has more.
@@ -273,7 +255,7 @@ void lwi_pair_analyser_select( lwi_pair_analyser* p, uint32_t link_a, uint32_t l
 		for ( uint32_t i = 0; i < p->way_count; ++i )
 		{
 			const lwi_joint* joint = &p->robot->joints[p->way_a[i]];
-			if ( v >= joint->variable && v < joint->variable + joint_variables( joint ) )
+			if ( v >= joint->variable && v < joint->variable + lwi_joint_variable_count( joint ) )
 			{
 				p->variables[p->variable_count++] = v;
 				break;

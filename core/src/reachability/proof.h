@@ -65,8 +65,7 @@ void lwi_pair_analyser_destroy( lwi_pair_analyser* analyser ); ///< NULL is igno
 /// Radians by which a turn that is proved is wider, on both sides, for the rounding of pi.
 #define LWI_TURN_ROUNDING 1e-12
 
-/// True if a variable has a turn or more between its limits and a turn more changes no pose of the robot: angles that follow it
-/// do so by whole multiples. Then one turn stands for all of its range.
+/// True if a variable has a turn or more between its limits, and a turn more changes no pose: one turn stands for all of its range.
 bool lwi_variable_turns( const lw_reach* reach, uint32_t variable );
 
 /// Selects a pair of different links.

@@ -22,9 +22,9 @@ enum
 /// `needed` in any case; a cell that is not needs no more than a rough distance. Fetch's proofs take 0.55 of the time.
 #define CELL_ALPHA 0.5
 
-/// A cell is cut unmeasured if it moves by more than this share of what its parent's distance leaves above the target. Links that are turned
-/// against each other with a gap that stays the same have so many pairs of triangles at that distance that a proof of nearly
-/// all of it costs more than those of two halves: all of iiwa's grids and proofs take 0.83 of the time.
+/// A cell is cut unmeasured if it moves by more than this share of what its parent's distance leaves above the target. Links
+/// that are turned against each other with a gap that stays the same have so many pairs of triangles at that distance that a
+/// proof of nearly all of it costs more than those of two halves: all of iiwa's grids and proofs take 0.83 of the time.
 #define LIKELY_SHARE 0.75
 
 /// Share of a cell's motion: a distance below it need not be known more exactly, since the cell's halves will be cut too.

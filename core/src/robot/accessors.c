@@ -98,8 +98,7 @@ uint32_t lw_robot_joint_variable_count( const lw_robot* robot, uint32_t joint )
 	{
 		return 0;
 	}
-	const lwi_joint* j = &robot->joints[joint];
-	return j->type == LW_JOINT_PLANAR ? 3u : j->type == LW_JOINT_FLOATING ? 7u : 1u;
+	return lwi_joint_variable_count( &robot->joints[joint] );
 }
 
 lw_body_def lw_robot_body( const lw_robot* robot, uint32_t body )

@@ -313,6 +313,25 @@ static lw_status build_joints( lw_robot* robot, const lw_robot_def* def, lw_diag
 	return LW_OK;
 }
 
+bool lwi_robot_turns( const lw_robot* robot, uint32_t variable )
+{
+	bool turns = true;
+	for ( uint32_t i = 0; i < robot->joint_count && turns; ++i )
+	{
+		const lwi_joint* joint = &robot->joints[i];
+		if ( joint->constant || variable < joint->variable ||
+			 variable >= joint->variable + lwi_joint_variable_count( joint ) )
+		{
+			continue;
+		}
+		bool angle = joint->type == LW_JOINT_REVOLUTE || joint->type == LW_JOINT_CONTINUOUS;
+		bool whole = joint->multiplier == floor( joint->multiplier );
+		bool theta = joint->type == LW_JOINT_PLANAR && variable == joint->variable + 2;
+		turns = ( angle && whole ) || theta;
+	}
+	return turns;
+}
+
 static void build_variables( lw_robot* robot )
 {
 	for ( uint32_t i = 0; i < robot->joint_count; ++i )
@@ -341,14 +360,9 @@ static void build_variables( lw_robot* robot )
 	}
 	// A joint that follows a wrapping one at, say, half its angle would jump where the variable goes from pi to -pi. Such a
 	// variable does not wrap: the proofs need a continuous motion of the whole robot.
-	for ( uint32_t i = 0; i < robot->joint_count; ++i )
+	for ( uint32_t v = 0; v < robot->variable_count; ++v )
 	{
-		const lwi_joint* joint = &robot->joints[i];
-		if ( !joint->constant && joint->driver != i )
-		{
-			bool whole_turns = joint->type != LW_JOINT_PRISMATIC && joint->multiplier == rint( joint->multiplier );
-			robot->variables[joint->variable].wraps = robot->variables[joint->variable].wraps && whole_turns;
-		}
+		robot->variables[v].wraps = robot->variables[v].wraps && lwi_robot_turns( robot, v );
 	}
 }
 

@@ -88,6 +88,8 @@ lw_status lwi_robot_check_def( const lw_robot_def* def, lw_diag* diag );
 bool lwi_joint_has_axis( lw_joint_type type );
 /// Variables that a joint adds to a robot: 0 if it is fixed or mimics another.
 uint32_t lwi_joint_own_variable_count( const lw_joint_def* joint );
+/// True if a turn more of a variable changes no pose: an angle, which joints follow by whole multiples.
+bool lwi_robot_turns( const lw_robot* robot, uint32_t variable );
 /// LW_OK, or the status and message of the first fault of body i, of a link of this name.
 lw_status lwi_robot_check_body( const lw_body_def* body, uint32_t i, const char* link, lw_diag* diag );
 /// A body as robots keep it: with a reference to its shape.
@@ -99,6 +101,12 @@ const uint32_t* lwi_robot_link_order( const lw_robot* robot );
 uint32_t lwi_robot_common_ancestor( const lw_robot* robot, uint32_t link_a, uint32_t link_b );
 /// The robot without any attached objects: itself if it has none. Owned by `robot`.
 const lw_robot* lwi_robot_bare( const lw_robot* robot );
+
+/// Variables that move a joint, from joint->variable on: its own or its driver's.
+static inline uint32_t lwi_joint_variable_count( const lwi_joint* joint )
+{
+	return joint->type == LW_JOINT_PLANAR ? 3u : joint->type == LW_JOINT_FLOATING ? 7u : 1u;
+}
 
 /// Is the variable one of the four numbers of a floating joint's rotation?
 static inline bool lwi_is_quaternion( const lw_robot* robot, const lw_variable_info* variable )
