@@ -191,6 +191,82 @@ TEST( ConvexDepth, PointsOfPrimitivesDifferFromTheirFormulas )
 	EXPECT_NEAR( -1, depth.normal.z, 1e-14 );
 }
 
+namespace
+{
+
+/// How far a primitive reaches along a unit direction of the world.
+double reachOf( lw_shape_type type, const double* d, const lw_transform& pose, const lw_vec3& n )
+{
+	const double x = n.x * pose.r[0][0] + n.y * pose.r[1][0] + n.z * pose.r[2][0],
+	             y = n.x * pose.r[0][1] + n.y * pose.r[1][1] + n.z * pose.r[2][1],
+	             z = n.x * pose.r[0][2] + n.y * pose.r[1][2] + n.z * pose.r[2][2], across = std::hypot( x, y );
+	const double place = n.x * pose.t[0] + n.y * pose.t[1] + n.z * pose.t[2], half = 0.5 * d[1];
+	switch ( type )
+	{
+	case LW_SHAPE_SPHERE:
+		return place + d[0];
+	case LW_SHAPE_CAPSULE:
+		return place + d[0] + half * std::fabs( z );
+	case LW_SHAPE_BOX:
+		return place + 0.5 * ( d[0] * std::fabs( x ) + d[1] * std::fabs( y ) + d[2] * std::fabs( z ) );
+	case LW_SHAPE_CYLINDER:
+		return place + d[0] * across + half * std::fabs( z );
+	default: // a cone
+		return place + std::max( half * z, d[0] * across - half * z );
+	}
+}
+
+} // namespace
+
+TEST( ConvexDepth, ClosedFormsAreNotTheLeastWidthInTheWorld )
+{
+	SeededRng rng( 5 );
+	const QueryPtr query = makeQuery();
+	const lw_shape_type types[] = { LW_SHAPE_SPHERE, LW_SHAPE_CAPSULE, LW_SHAPE_BOX, LW_SHAPE_CYLINDER, LW_SHAPE_CONE };
+	int overlaps[2] = { 0, 0 };
+	for ( int i = 0; i < 4000; ++i )
+	{
+		const bool swapped = i % 2 == 0;
+		lw_shape_type type[2] = { i % 3 == 0 ? LW_SHAPE_CAPSULE : LW_SHAPE_SPHERE, types[i % 3 == 0 ? i % 2 : i % 5] };
+		swapped ? std::swap( type[0], type[1] ) : void();
+		double size[2][3];
+		lw_transform pose[2];
+		ShapePtr shape[2];
+		for ( int k = 0; k < 2; ++k )
+		{
+			for ( double& d : size[k] )
+			{
+				d = rng.uniform( 0.2, 1 );
+			}
+			shape[k] = makePrimitive( type[k], size[k][0], size[k][1], size[k][2] );
+			pose[k] = randomPose( rng, 0.3 );
+			pose[k].t[0] += 1000; // metres from the world's origin
+		}
+		const lw_depth depth = depthOf( shape[0], pose[0], shape[1], pose[1], query.get() );
+		double least = INFINITY;
+		const auto width = [&]( const lw_vec3& n )
+		{ return reachOf( type[0], size[0], pose[0], -1.0 * n ) + reachOf( type[1], size[1], pose[1], n ); };
+		for ( int k = 0; k < 300; ++k )
+		{
+			least = std::min( least, width( randomDirection( rng ) ) );
+		}
+		if ( depth.kind == LW_DEPTH_APART )
+		{
+			const lw_clearance apart = distanceOf( shape[0], pose[0], shape[1], pose[1], query.get() );
+			EXPECT_GT( apart.upper, 0 );
+			continue;
+		}
+		ASSERT_EQ( LW_DEPTH_OVERLAP, depth.kind );
+		++overlaps[swapped];
+		// no way out is shorter than the depth, and the one along its normal is as long
+		EXPECT_LE( depth.lower, least + 1e-12 ) << i;
+		EXPECT_NEAR( depth.upper, width( depth.normal ), 1e-11 ) << i;
+		EXPECT_LE( depth.upper - depth.lower, 1e-12 ) << i;
+		EXPECT_NEAR( depth.upper, dot( depth.point_b - depth.point_a, depth.normal ), 1e-9 ) << i;
+	}
+	EXPECT_GT( std::min( overlaps[0], overlaps[1] ), 500 );
+}
+
 TEST( ConvexDepth, CurvedBodiesHaveWideIntervals )
 {
 	SeededRng rng( 3 );

@@ -183,9 +183,15 @@ TEST( ConvexMeshes, IntervalMissesTheDistanceOfAllTriangles )
 	SeededRng rng( 3 );
 	const QueryPtr query = makeQuery();
 	int apart = 0, crossing = 0;
+	Hull large;
 	for ( int i = 0; i < unlessSanitized( 2000, 100 ); ++i )
 	{
-		const Hull a = randomHull( rng, static_cast<uint32_t>( rng.integer( 4, 16 ) ), 1 );
+		const bool climbs = i % 20 == 0; // from vertex to vertex: some hulls of more than LWI_CLIMB_FROM
+		if ( i % 200 == 0 )
+		{
+			large = randomHull( rng, 105, 1 );
+		}
+		const Hull a = climbs ? large : randomHull( rng, static_cast<uint32_t>( rng.integer( 4, 16 ) ), 1 );
 		const Hull b = randomHull( rng, static_cast<uint32_t>( rng.integer( 4, 16 ) ), rng.decade( -1, 0.3 ) );
 		const lw_transform pose_a = randomPose( rng, 0.1 ), pose_b = randomPose( rng, rng.integer( 0, 1 ) == 0 ? 0.5 : 3 );
 		const ShapePtr shape_a( shapeOf( a ) ), shape_b( shapeOf( b ) );

@@ -322,46 +322,6 @@ TEST( Kernels, TurnsDifferFromOneAloneOrFromTheTruth )
 	EXPECT_LE( worst, 0x1p-52 );
 }
 
-// Self queries of small robots stand on it: a pair that is left out is held to be far
-TEST( Kernels, FarthestPointIsNotTheFirstOfThose )
-{
-	SeededRng rng;
-	for ( int i = 0; i < 5000; ++i )
-	{
-		lwi_points8 points[4];
-		const auto blocks = static_cast<uint32_t>( rng.integer( 1, 4 ) );
-		for ( lwi_points8& block : points )
-		{
-			for ( int lane = 0; lane < 8; ++lane )
-			{
-				for ( int axis = 0; axis < 3; ++axis )
-				{
-					block.at[axis][lane] = static_cast<float>( rng.integer( -3, 3 ) ); // many alike
-				}
-			}
-		}
-		const float n[3] = { value( rng, 1 ), value( rng, 1 ), i % 2 == 0 ? 0.0f : value( rng, 1 ) };
-		uint32_t want = 0;
-		float best = -INFINITY;
-		for ( uint32_t lane = 0; lane < 8; ++lane )
-		{
-			for ( uint32_t block = 0; block < blocks; ++block )
-			{
-				const auto& p = points[block].at;
-				const float x = n[0] * p[0][lane], y = n[1] * p[1][lane], z = n[2] * p[2][lane], high = ( x + y ) + z;
-				want = high > best ? 8 * block + lane : want;
-				best = std::max( best, high );
-			}
-		}
-		for ( const lwi_kernels* table : kernelLevels() )
-		{
-			float high;
-			ASSERT_EQ( want, table->points_farthest( points, blocks, n, &high ) ) << "level " << table->level;
-			ASSERT_EQ( best, high );
-		}
-	}
-}
-
 namespace
 {
 

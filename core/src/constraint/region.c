@@ -96,15 +96,17 @@ static lw_vec3 turn_between( const lw_transform* from, const lw_transform* to )
 
 lw_status lw_region_line( lw_region_def* def, const lw_transform* from, const lw_transform* to )
 {
-	lw_transform begin, end;
-	if ( def == NULL || from == NULL || to == NULL || !lwi_pose_given( from, &begin ) || !lwi_pose_given( to, &end ) )
+	lw_transform scratch_from, scratch_to;
+	const lw_transform *begin = NULL, *end = NULL;
+	if ( def == NULL || from == NULL || to == NULL || ( begin = lwi_pose_given( from, &scratch_from ) ) == NULL ||
+		 ( end = lwi_pose_given( to, &scratch_to ) ) == NULL )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
-	def->start = begin;
+	def->turn = turn_between( begin, end );
 	def->shift = lwi_sub( lwi_load( to->t ), lwi_load( from->t ) );
 	def->arc = def->center = lwi_v3( 0, 0, 0 );
-	def->turn = turn_between( &def->start, &end );
+	def->start = *begin; // last: `from` or `to` may be it
 	return LW_OK;
 }
 

@@ -156,51 +156,52 @@ static bool is_primitive( const lwi_support_map* piece )
 }
 
 /// Keeps the shortest way out, and the second.
-static void offer_way( expansion* e, double depth, lw_vec3 n )
+static void offer_way( lwi_ways* ways, double depth, lw_vec3 n )
 {
-	if ( depth < e->upper )
+	if ( depth < ways->depth )
 	{
-		e->other = e->upper;
-		e->upper = depth;
-		e->normal = n;
+		ways->other = ways->depth;
+		ways->depth = depth;
+		ways->normal = n;
 	}
 	else
 	{
-		e->other = fmin( e->other, depth );
+		ways->other = lwi_smaller( ways->other, depth );
 	}
 }
 
-/// The ways out of a point in a primitive: to each of its faces, negative if it is in front of it. Normals in the primitive's frame.
-static void offer_ways( expansion* e, const lwi_support_map* piece, lw_vec3 p )
+lwi_ways lwi_ways_out( lwi_convex_type type, const double size[3], lw_vec3 p )
 {
-	const double *s = piece->size, at[3] = { p.x, p.y, p.z };
-	for ( int k = 0; k < 6 && piece->type == LWI_CONVEX_BOX; ++k )
+	lwi_ways ways = { INFINITY, INFINITY, { 0, 0, 0 } };
+	const double *s = size, at[3] = { p.x, p.y, p.z };
+	for ( int k = 0; k < 6 && type == LWI_CONVEX_BOX; ++k )
 	{
 		const double sign = k % 2 == 0 ? 1 : -1;
 		const int axis = k / 2;
-		offer_way( e, s[axis] - sign * at[axis],
+		offer_way( &ways, s[axis] - sign * at[axis],
 			lwi_v3( axis == 0 ? sign : 0, axis == 1 ? sign : 0, axis == 2 ? sign : 0 ) );
 	}
-	if ( piece->type == LWI_CONVEX_BOX )
+	if ( type == LWI_CONVEX_BOX )
 	{
-		return;
+		return ways;
 	}
 	const double rho = sqrt( p.x * p.x + p.y * p.y ), height = 2 * s[1];
 	const lw_vec3 out = rho > 0 ? lwi_v3( p.x / rho, p.y / rho, 0 ) : lwi_v3( 1, 0, 0 );
-	offer_way( e, p.z + s[1], lwi_v3( 0, 0, -1 ) );
-	if ( piece->type == LWI_CONVEX_CYLINDER )
+	offer_way( &ways, p.z + s[1], lwi_v3( 0, 0, -1 ) );
+	if ( type == LWI_CONVEX_CYLINDER )
 	{
-		offer_way( e, s[1] - p.z, lwi_v3( 0, 0, 1 ) );
-		offer_way( e, s[0] - rho, out );
-		e->other = fmin( e->other, fmax( e->upper, s[0] - OTHER_WAY * rho ) ); // elsewhere on the side
-		return;
+		offer_way( &ways, s[1] - p.z, lwi_v3( 0, 0, 1 ) );
+		offer_way( &ways, s[0] - rho, out );
+		ways.other = fmin( ways.other, fmax( ways.depth, s[0] - OTHER_WAY * rho ) ); // elsewhere on the side
+		return ways;
 	}
 	// the profile of a cone's side runs from the rim (radius, -half) to the apex
 	const double length = sqrt( height * height + s[0] * s[0] );
 	const double level = s[0] * height - ( p.z + s[1] ) * s[0];
-	offer_way( e, ( level - rho * height ) / length,
+	offer_way( &ways, ( level - rho * height ) / length,
 		lwi_v3( out.x * height / length, out.y * height / length, s[0] / length ) );
-	e->other = fmin( e->other, fmax( e->upper, ( level - OTHER_WAY * rho * height ) / length ) );
+	ways.other = fmin( ways.other, fmax( ways.depth, ( level - OTHER_WAY * rho * height ) / length ) );
+	return ways;
 }
 
 /// Fills upper, normal and `foremost` of a point in a primitive. False if they are not that.
@@ -213,11 +214,12 @@ static bool closed_form( expansion* e )
 	}
 	const lw_vec3 t = lwi_load( e->pair.place.t );
 	const lw_vec3 at = point_is_b ? t : lwi_unrotate( &e->pair.place, lwi_scale( -1, t ) );
-	e->other = INFINITY;
-	offer_ways( e, point_is_b ? &e->pair.a : &e->pair.b, at );
-	const lw_vec3 surface = lwi_add_scaled( at, e->upper, e->normal );
-	e->upper += e->rounding;
-	e->normal = point_is_b ? e->normal : lwi_rotate( &e->pair.place, lwi_scale( -1, e->normal ) );
+	const lwi_support_map* primitive = point_is_b ? &e->pair.a : &e->pair.b;
+	const lwi_ways ways = lwi_ways_out( primitive->type, primitive->size, at );
+	const lw_vec3 surface = lwi_add_scaled( at, ways.depth, ways.normal );
+	e->other = ways.other;
+	e->upper = ways.depth + e->rounding;
+	e->normal = point_is_b ? ways.normal : lwi_rotate( &e->pair.place, lwi_scale( -1, ways.normal ) );
 	e->foremost = ( lwi_polytope_point ){ .a = point_is_b ? surface : lwi_v3( 0, 0, 0 ),
 		.b = point_is_b ? lwi_v3( 0, 0, 0 ) : surface };
 	e->steps = 1;

@@ -101,6 +101,81 @@ static void depth_in_unbounded( const lw_shape* shape, const lw_shape* unbounded
 	}
 }
 
+/// Depth of a sphere whose centre may be in a primitive. @param own shortest and other ways out of the centre are that wrong
+/// @return true if no way out in another direction is shorter than this one and `longer`
+static bool depth_in_primitive( const lw_shape* sphere, lw_vec3 center, const lw_shape* primitive, const lw_transform* pose,
+	lw_vec3 place, double own, double longer, lw_depth* out, bool sphere_is_a )
+{
+	const lwi_convex piece = lwi_convex_of_primitive( primitive );
+	const lwi_ways ways = lwi_ways_out( piece.type, piece.size, lwi_unrotate( pose, lwi_sub( center, place ) ) );
+	const lw_vec3 n = lwi_rotate( pose, ways.normal ), surface = lwi_add_scaled( center, ways.depth, n ),
+				  deepest = lwi_add_scaled( center, -sphere->radius, n );
+	out->upper = lwi_larger( sphere->radius + ways.depth + own, 0 );
+	out->lower = lwi_larger( sphere->radius + ways.depth - own, 0 );
+	out->normal = sphere_is_a ? n : lwi_scale( -1, n );
+	out->point_a = sphere_is_a ? deepest : surface;
+	out->point_b = sphere_is_a ? surface : deepest;
+	out->steps = 1;
+	return ways.other > ways.depth + 2 * own + longer;
+}
+
+/// Depth of two shapes with a closed form, in the axes of the world about a's place. @param only as lwi_depth() returns it
+/// @return false: it has none, or the segments of two capsules meet
+static bool depth_of_round( const lw_shape* a, const lw_transform* world_from_a, const lw_shape* b,
+	const lw_transform* world_from_b, double longer, bool* only, lw_depth* out )
+{
+	if ( !lwi_have_closed_form( a, b ) )
+	{
+		return false;
+	}
+	const double radii = a->radius + b->radius; // 0 of primitives
+	double error;
+	const lwi_tri_result r = lwi_round_distance( a, world_from_a, b, world_from_b, &error );
+	*only = a->type == LW_SHAPE_SPHERE || b->type == LW_SHAPE_SPHERE; // two segments may be parallel
+	out->kind = r.distance - error > radii ? LW_DEPTH_APART : LW_DEPTH_OVERLAP;
+	if ( out->kind == LW_DEPTH_APART )
+	{
+		out->upper = 0;
+		return true;
+	}
+	if ( !( r.distance > error ) && ( a->primitive || b->primitive ) )
+	{
+		const lw_vec3 between = lwi_sub( lwi_load( world_from_b->t ), lwi_load( world_from_a->t ) );
+		*only = a->primitive
+					? depth_in_primitive( b, r.point_b, a, world_from_a, lwi_v3( 0, 0, 0 ), error, longer, out, false )
+					: depth_in_primitive( a, r.point_a, b, world_from_b, between, error, longer, out, true );
+		return true;
+	}
+	if ( !( r.distance > error ) || !( lwi_distance( r.point_a, r.point_b ) > 0 ) )
+	{
+		return false;
+	}
+	const lw_vec3 way = lwi_sub( r.point_a, r.point_b );
+	const double length = lwi_length( way );
+	out->normal = lwi_v3( way.x / length, way.y / length, way.z / length );
+	out->upper = radii - r.distance + error;
+	out->lower = lwi_larger( 0, radii - r.distance - error );
+	out->point_a = lwi_add_scaled( r.point_a, -a->radius, out->normal );
+	out->point_b = lwi_add_scaled( r.point_b, b->radius, out->normal );
+	out->steps = 1;
+	return true;
+}
+
+/// Depth of bounded shapes, one of which has an inside. @return as lwi_depth()
+static bool depth_of_bounded( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	const lw_depth_def* def, double longer, lw_depth* out )
+{
+	lwi_round_convex convex_a, convex_b;
+	if ( !lwi_convex_of_shape( a, &convex_a.core ) || !lwi_convex_of_shape( b, &convex_b.core ) )
+	{
+		lwi_solid_depth( memory, a, b, a_from_b, def, out );
+		return false;
+	}
+	convex_a.radius = a->primitive ? 0 : lwi_item_radius( a, 0 );
+	convex_b.radius = b->primitive ? 0 : lwi_item_radius( b, 0 );
+	return lwi_convex_depth( &convex_a, &convex_b, a_from_b, def, longer, out );
+}
+
 static lw_transform inverse_of( const lw_transform* m )
 {
 	const lw_transform identity = lw_transform_identity();
@@ -110,9 +185,9 @@ static lw_transform inverse_of( const lw_transform* m )
 bool lwi_depth( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
 	const lw_depth_def* def, double longer, lw_depth* out )
 {
+	const lw_transform own = { { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, { 0, 0, 0 } };
 	bool only = false;
 	*out = ( lw_depth ){ .kind = LW_DEPTH_OVERLAP };
-	lwi_round_convex convex_a = { .radius = 0 }, convex_b = { .radius = 0 };
 	if ( a->family == LWI_UNBOUNDED )
 	{
 		depth_in_unbounded( b, a, a_from_b, out, false );
@@ -124,16 +199,13 @@ bool lwi_depth( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b,
 		depth_in_unbounded( a, b, &b_from_a, out, true );
 		only = b->type == LW_SHAPE_HALFSPACE;
 	}
-	else if ( lwi_convex_of_shape( a, &convex_a.core ) && lwi_convex_of_shape( b, &convex_b.core ) &&
-			  ( lwi_has_inside( a ) || lwi_has_inside( b ) ) )
+	else if ( depth_of_round( a, &own, b, a_from_b, longer, &only, out ) )
 	{
-		convex_a.radius = a->primitive ? 0 : lwi_item_radius( a, 0 );
-		convex_b.radius = b->primitive ? 0 : lwi_item_radius( b, 0 );
-		only = lwi_convex_depth( &convex_a, &convex_b, a_from_b, def, longer, out );
+		return only;
 	}
 	else if ( lwi_has_inside( a ) || lwi_has_inside( b ) )
 	{
-		lwi_solid_depth( memory, a, b, a_from_b, def, out );
+		only = depth_of_bounded( memory, a, b, a_from_b, def, longer, out );
 	}
 	else
 	{
@@ -156,9 +228,11 @@ lw_status lw_shape_depth( const lw_shape* a, const lw_transform* world_from_a, c
 	{
 		return LW_ERROR_INVALID_DEF;
 	}
-	lw_transform pose_a, pose_b;
+	lw_transform scratch_a, scratch_b;
+	const lw_transform *pose_a = NULL, *pose_b = NULL;
 	if ( a == NULL || b == NULL || world_from_a == NULL || world_from_b == NULL || query == NULL || !( wanted.width >= 0 ) ||
-		 wanted.steps == 0 || !lwi_pose_given( world_from_a, &pose_a ) || !lwi_pose_given( world_from_b, &pose_b ) )
+		 wanted.steps == 0 || ( pose_a = lwi_pose_given( world_from_a, &scratch_a ) ) == NULL ||
+		 ( pose_b = lwi_pose_given( world_from_b, &scratch_b ) ) == NULL )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
@@ -166,6 +240,15 @@ lw_status lw_shape_depth( const lw_shape* a, const lw_transform* world_from_a, c
 	{
 		return LW_ERROR_UNSUPPORTED;
 	}
+	bool only;
+	if ( depth_of_round( a, pose_a, b, pose_b, 0, &only, out ) )
+	{
+		const bool apart = out->kind != LW_DEPTH_OVERLAP;
+		out->point_a = apart ? out->point_a : lwi_add( out->point_a, lwi_load( pose_a->t ) );
+		out->point_b = apart ? out->point_b : lwi_add( out->point_b, lwi_load( pose_a->t ) );
+		return LW_OK;
+	}
+	*out = ( lw_depth ){ .upper = INFINITY };
 	lw_status status = LW_OK;
 	const lw_shape* made_a = lwi_shape_made( a, &status, NULL );
 	const lw_shape* made_b = status == LW_OK ? lwi_shape_made( b, &status, NULL ) : NULL;
@@ -173,13 +256,13 @@ lw_status lw_shape_depth( const lw_shape* a, const lw_transform* world_from_a, c
 	{
 		return status;
 	}
-	const lw_transform a_from_b = lwi_relative( &pose_a, &pose_b );
+	const lw_transform a_from_b = lwi_relative( pose_a, pose_b );
 	lwi_depth( &query->search, made_a, made_b, &a_from_b, &wanted, 0, out );
 	if ( out->kind == LW_DEPTH_OVERLAP )
 	{
-		out->normal = lwi_rotate( &pose_a, out->normal );
-		out->point_a = lwi_transform( &pose_a, out->point_a );
-		out->point_b = lwi_transform( &pose_a, out->point_b );
+		out->normal = lwi_rotate( pose_a, out->normal );
+		out->point_a = lwi_transform( pose_a, out->point_a );
+		out->point_b = lwi_transform( pose_a, out->point_b );
 	}
 	return LW_OK;
 }

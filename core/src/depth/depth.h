@@ -15,6 +15,16 @@ typedef struct lwi_round_convex
 	double radius;
 } lwi_round_convex;
 
+/// The ways out of a primitive for a point: to each of its faces, negative if the point is in front of it.
+typedef struct lwi_ways
+{
+	double depth, other; ///< metres: the shortest, and the shortest of those that are 0.1 off its direction or more
+	lw_vec3 normal;      ///< of the shortest, unit, the primitive's frame
+} lwi_ways;
+
+/// @param size as of lwi_convex: of a box, cylinder or cone @param p in its frame
+lwi_ways lwi_ways_out( lwi_convex_type type, const double size[3], lw_vec3 p );
+
 /// Depth of two shapes whose meshes are made, all in a's frame.
 /// @return true if ways out in other directions, by 0.1 or more, are proved to be longer, and by more than `longer`
 bool lwi_depth( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,

@@ -83,6 +83,10 @@ static bool edges_are_apart( const boxes* x, double limit, double error )
 /// pairs of edges (Gottschalk, Lin, Manocha 1996). Rounding: core/docs/distance.md.
 bool lwi_boxes_are_apart( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b, const lwi_bound* bound )
 {
+	if ( bound->cutoff == INFINITY )
+	{
+		return false;
+	}
 	boxes x = boxes_of( a, b, a_from_b );
 	double error = LWI_EXACT_ERROR * x.size, limit = fmax( bound->cutoff + bound->margin, 0 ) + error + LEAST_LIMIT;
 	return limit < INFINITY &&

@@ -119,18 +119,26 @@ static lw_vec3 centroid( const lwi_support_map* piece )
 	return lwi_scale( 1.0 / 3.0, lwi_add( piece->vertex[1], piece->vertex[2] ) );
 }
 
-static bool climbs( const lwi_support_map* piece )
+static bool is_mesh( const lwi_support_map* piece )
 {
 	return piece->type == LWI_CONVEX_POINTS && piece->mesh != NULL;
 }
 
-/// Adds the support point of a - b against v to the simplex. @param climb meshes climb, which may end short of the farthest vertex
+/// A climb may end short of the farthest vertex.
+static bool climbs( const lwi_support_map* piece )
+{
+	return is_mesh( piece ) && piece->point_count >= LWI_CLIMB_FROM;
+}
+
+/// Adds the support point of a - b against v to the simplex. @param climb large meshes climb
 static vec_d add_support( lwi_pair* pair, lw_vec3 v, bool climb, lwi_simplex* simplex )
 {
 	const lw_vec3 n = lwi_scale( -1.0, v ), m = lwi_unrotate( &pair->place, v );
-	lw_vec3 a = climb && climbs( &pair->a ) ? lwi_points_climb( &pair->a, n ) : lwi_support_point( &pair->a, n );
-	lw_vec3 b = climb && climbs( &pair->b ) ? lwi_points_climb( &pair->b, m ) : lwi_support_point( &pair->b, m );
-	lw_vec3 w = lwi_sub( a, lwi_transform( &pair->place, b ) );
+	const lw_vec3 a = is_mesh( &pair->a ) && ( climb || !climbs( &pair->a ) ) ? lwi_mesh_climb( &pair->a, n )
+																			  : lwi_support_point( &pair->a, n );
+	const lw_vec3 b = is_mesh( &pair->b ) && ( climb || !climbs( &pair->b ) ) ? lwi_mesh_climb( &pair->b, m )
+																			  : lwi_support_point( &pair->b, m );
+	const lw_vec3 w = lwi_sub( a, lwi_transform( &pair->place, b ) );
 	simplex->a[simplex->count] = a;
 	simplex->b[simplex->count] = b;
 	return ( vec_d ){ w.x, w.y, w.z };
@@ -369,7 +377,7 @@ static double width_of( const lwi_pair* pair )
 {
 	const bool boxes = pair->a.type == LWI_CONVEX_BOX || pair->b.type == LWI_CONVEX_BOX;
 	const bool curved = is_curved( &pair->a ) || is_curved( &pair->b );
-	const bool meshes = climbs( &pair->a ) || climbs( &pair->b );
+	const bool meshes = is_mesh( &pair->a ) || is_mesh( &pair->b );
 	return curved             ? 0.1 * LWI_CONVEX_WIDTH_CURVED * pair->extent
 		   : meshes && !boxes ? 0
 							  : LWI_CONVEX_WIDTH_POLYTOPE * pair->extent;

@@ -54,9 +54,6 @@ static double dilation_of( const lw_shape* shape )
 	return shape->primitive ? 0 : lwi_item_radius( shape, 0 );
 }
 
-/// Of LWI_EXACT_ERROR: poses, and moving the pieces. The rest is that of two triangles; convex pieces count their own.
-#define POSE_ERROR ( 56.0 / 120.0 )
-
 bool lwi_search_convex( lwi_searching* s )
 {
 	const lw_shape *a = s->a, *b = s->b;
@@ -68,7 +65,7 @@ bool lwi_search_convex( lwi_searching* s )
 		return false;
 	}
 	s->memory->stats.exact_tests++;
-	const double error = POSE_ERROR * s->error;
+	const double error = LWI_POSE_ERROR / LWI_EXACT_ERROR * s->error;
 	const double radii = dilation_of( a ) + dilation_of( b ) + s->bound->margin;
 	const double stop_below = ( s->bound->range.min_d + radii ) * ( 1 - 8 * LWI_U64 );
 	const lwi_convex_result r =

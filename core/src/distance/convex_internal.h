@@ -6,6 +6,7 @@
 
 #include "distance/convex.h"
 #include "base/math_inline.h"
+#include "simd/kernels.h"
 
 LW_EXTERN_C_BEGIN
 
@@ -53,9 +54,26 @@ typedef struct lwi_bounds
 	uint32_t iterations;
 } lwi_bounds;
 
+/// Vertex i of a convex mesh, about the first of them.
+static inline lw_vec3 lwi_mesh_point( const lwi_convex_mesh* mesh, uint32_t i )
+{
+	const lwi_corners8* block = mesh->about + i / LWI_WIDTH;
+	return lwi_v3( block->at[0][i % LWI_WIDTH], block->at[1][i % LWI_WIDTH], block->at[2][i % LWI_WIDTH] );
+}
+
+/// The vertex of a mesh that is farthest along n.
+static inline uint32_t lwi_mesh_farthest( const lwi_convex_mesh* mesh, lw_vec3 n )
+{
+	return mesh->kernels->corners_farthest( mesh->about, mesh->blocks, &n.x );
+}
+
 /// The same as lwi_support_point() for POINTS. Cost: O(count).
 static inline lw_vec3 lwi_points_support( const lwi_support_map* piece, lw_vec3 n )
 {
+	if ( piece->mesh != NULL )
+	{
+		return lwi_mesh_point( piece->mesh, lwi_mesh_farthest( piece->mesh, n ) );
+	}
 	const double* p = piece->points;
 	lw_vec3 origin = lwi_load( p ), best = { 0.0, 0.0, 0.0 };
 	double most = 0.0; // the first point's
@@ -72,13 +90,22 @@ static inline lw_vec3 lwi_points_support( const lwi_support_map* piece, lw_vec3 
 	return best;
 }
 
-/// The vertex of a mesh at which no neighbour is farther along n: the farthest one but for rounding. Cost: of a few vertices.
-static inline lw_vec3 lwi_points_climb( lwi_support_map* piece, lw_vec3 n )
+/// Vertices of meshes from which climbing takes less than looking at all.
+#define LWI_CLIMB_FROM 100u
+
+/// A vertex of a mesh that is farthest along n, which becomes `last`: of a large mesh one at which no neighbour is farther, so the farthest one but
+/// for rounding. Cost: of a few vertices.
+static inline lw_vec3 lwi_mesh_climb( lwi_support_map* piece, lw_vec3 n )
 {
-	const lw_vec3 origin = lwi_load( piece->points );
-	const uint32_t start = piece->mesh->start[lwi_direction_cell( n )];
-	lw_vec3 best = lwi_sub( lwi_load( piece->points + 3 * (size_t)piece->last ), origin );
-	const lw_vec3 other = lwi_sub( lwi_load( piece->points + 3 * (size_t)start ), origin );
+	const lwi_convex_mesh* mesh = piece->mesh;
+	if ( piece->point_count < LWI_CLIMB_FROM )
+	{
+		piece->last = lwi_mesh_farthest( mesh, n );
+		return lwi_mesh_point( mesh, piece->last );
+	}
+	const uint32_t start = mesh->start[lwi_direction_cell( n )];
+	lw_vec3 best = lwi_mesh_point( mesh, piece->last );
+	const lw_vec3 other = lwi_mesh_point( mesh, start );
 	double most = lwi_dot( n, best );
 	if ( lwi_dot( n, other ) > most )
 	{
@@ -89,10 +116,10 @@ static inline lw_vec3 lwi_points_climb( lwi_support_map* piece, lw_vec3 n )
 	for ( uint32_t at = piece->last, from = LW_INVALID_INDEX; at != from; )
 	{
 		from = at;
-		for ( uint32_t i = piece->mesh->first[from]; i < piece->mesh->first[from + 1]; ++i )
+		for ( uint32_t i = mesh->first[from]; i < mesh->first[from + 1]; ++i )
 		{
-			const uint32_t to = piece->mesh->neighbours[i];
-			const lw_vec3 v = lwi_sub( lwi_load( piece->points + 3 * (size_t)to ), origin );
+			const uint32_t to = mesh->neighbours[i];
+			const lw_vec3 v = lwi_mesh_point( mesh, to );
 			const double d = lwi_dot( n, v );
 			if ( d > most )
 			{

@@ -66,6 +66,19 @@ lw_clearance lwi_bound_result( const lwi_bound* bound );
 void lwi_search( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
 	lwi_bound* bound );
 
+/// Two spheres or capsules, or a sphere and a bounded primitive: their distance has a closed form.
+static inline bool lwi_have_closed_form( const lw_shape* a, const lw_shape* b )
+{
+	const bool sphere_a = a->type == LW_SHAPE_SPHERE, sphere_b = b->type == LW_SHAPE_SPHERE;
+	const bool round_a = sphere_a || a->type == LW_SHAPE_CAPSULE, round_b = sphere_b || b->type == LW_SHAPE_CAPSULE;
+	return ( round_a && round_b ) || ( sphere_a && b->family == LWI_CONVEX ) || ( a->family == LWI_CONVEX && sphere_b );
+}
+
+/// lwi_search() of two such shapes, without ties, from their poses in any frame: witnesses are in its axes, about a's place.
+/// @return false: not measured, since a sphere's centre may be inside of the primitive
+bool lwi_search_round( lwi_search_memory* memory, const lw_shape* a, const lw_transform* world_from_a, const lw_shape* b,
+	const lw_transform* world_from_b, lwi_bound* bound );
+
 /// lwi_search() of one of several pairs, any of which may be the nearest. Searches two trees until the first measurement,
 /// or for a few leaves; if that does not end the search it is suspended, and lwi_search_waiting() resumes it after all
 /// pairs had their turn.
@@ -94,8 +107,8 @@ static inline uint32_t lwi_named_element( const lw_shape* shape, uint32_t elemen
 
 /// A copy whose rotation is orthonormal to rounding; rotations that are so already keep their bits.
 lw_transform lwi_orthonormal( const lw_transform* transform );
-/// lw_transform_is_valid(), and lwi_orthonormal() of it; of a rotation to rounding in one look. @return false: not valid
-bool lwi_pose_given( const lw_transform* given, lw_transform* out );
+/// A pose as it is if it is a rotation to rounding, else lwi_orthonormal() of it, in `scratch`. NULL if it is not valid.
+const lw_transform* lwi_pose_given( const lw_transform* given, lw_transform* scratch );
 
 LW_EXTERN_C_END
 

@@ -4,8 +4,7 @@
 #include "distance/pair_query.h"
 #include "distance/tri_tri.h"
 
-/// Witness points of dilated geometry from those of the cores, `distance` apart; returns them in place.
-static void dilate( double radius_a, double radius_b, double distance, lw_vec3* point_a, lw_vec3* point_b )
+void lwi_dilate( double radius_a, double radius_b, double distance, lw_vec3* point_a, lw_vec3* point_b )
 {
 	if ( radius_a + radius_b == 0 )
 	{
@@ -34,19 +33,22 @@ void lwi_offer_items( lwi_searching* s, double lower, double upper, lw_vec3 poin
 	if ( s->bound->ties != NULL )
 	{
 		lw_vec3 a = point_a, b = point_b;
-		dilate( radius_a, radius_b, upper, &a, &b );
+		lwi_dilate( radius_a, radius_b, upper, &a, &b );
 		lwi_note_tie( s, high, a, b, item_a, item_b );
 	}
 	if ( lwi_bound_offer( s->bound, low > 0 ? low : 0, high > 0 ? high : 0 ) )
 	{
-		lwi_set_direction( s, point_a, point_b );
-		s->guess_gap = -INFINITY;
-		dilate( radius_a, radius_b, upper, &point_a, &point_b );
+		if ( s->trees )
+		{
+			lwi_set_direction( s, point_a, point_b );
+			s->guess_gap = -INFINITY;
+			lwi_update_limit( s );
+		}
+		lwi_dilate( radius_a, radius_b, upper, &point_a, &point_b );
 		s->bound->point_a = point_a;
 		s->bound->point_b = point_b;
 		s->bound->triangle_a = item_a;
 		s->bound->triangle_b = item_b;
-		lwi_update_limit( s );
 	}
 }
 

@@ -10,6 +10,7 @@
 #include "distance/distance.h"
 #include "distance/front.h"
 #include "distance/separation.h"
+#include "distance/tri_tri.h"
 
 #include <string.h>
 
@@ -82,6 +83,9 @@ struct lwi_search_memory
 /// for poses that are rotations to ALREADY_ORTHONORMAL only, and 4 for shared features. Counted in core/docs/numerics.md.
 #define LWI_EXACT_ERROR ( 120.0 * LWI_U64 )
 
+/// Of these: poses, and moving the pieces. The rest is that of two triangles; convex pieces count their own.
+#define LWI_POSE_ERROR ( 56.0 * LWI_U64 )
+
 /// By how much the distance of a corner to a corner or edge may exceed that of the triangles it is taken for.
 #define LWI_SHARED_ERROR ( 4.0 * LWI_U64 )
 
@@ -104,17 +108,18 @@ typedef struct lwi_searching
 	const lw_shape* a;
 	const lw_shape* b;
 	const lw_transform* a_from_b; ///< shape frames, double
-	lwi_motion from_other[2];     ///< of each side: its tree frame from that of the other
 	lwi_bound* bound;
-	lwi_front* front; ///< NULL: none
-	double radii;     ///< dilation that the trees do not contain: of capsules, and the margin of the pair
-	double slack;     ///< metres: largest excess of a float gap over the true one
-	double error;     ///< metres: largest error of a distance in double
-	bool obbs;        ///< both have them
-	bool has_direction;
-	float direction[2][3];     ///< from a to b across the nearest pair found, in either tree frame: unit vectors
+	lwi_front* front;          ///< NULL: none
+	double radii;              ///< dilation that the trees do not contain: of capsules, and the margin of the pair
+	double error;              ///< metres: largest error of a distance in double
 	lwi_shared_feature shared; ///< of the nearest pair found
-	float guess_gap;           ///< before there is one, it is that of the leaves that are nearest so far: this far apart
+	bool has_direction;
+	bool obbs;                ///< both have them
+	bool trees;               ///< one of the two is searched by its tree: the values below are set
+	lwi_motion from_other[2]; ///< of each side: its tree frame from that of the other
+	float direction[2][3];    ///< if there is one: from a to b across the nearest pair found, in either tree frame, unit
+	float guess_gap;          ///< before there is one, it is that of the leaves that are nearest so far: this far apart
+	double slack;             ///< metres: largest excess of a float gap over the true one
 	double least; ///< pairs nearer than this are measured whatever the bound: solid meshes (distance/primitives.c); or -inf
 	float limit;  ///< subtrees whose gap reaches it are dropped: bound->cutoff + radii + slack, rounded up
 } lwi_searching;
@@ -264,9 +269,19 @@ bool lwi_boxes_are_apart( const lw_shape* a, const lw_shape* b, const lw_transfo
 /// Measures one item of a against one of b in double and offers the result. LW_INVALID_INDEX for shapes without items.
 void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b );
 
+/// Witness points of dilated geometry from those of the cores, `distance` apart; returns them in place.
+void lwi_dilate( double radius_a, double radius_b, double distance, lw_vec3* point_a, lw_vec3* point_b );
+
 /// Offers the distance [lower, upper] of two items without their dilation. @param point_a, point_b a's shape frame
 void lwi_offer_items( lwi_searching* s, double lower, double upper, lw_vec3 point_a, lw_vec3 point_b, uint32_t item_a,
 	uint32_t item_b );
+
+// --- distance/round.c ------------------------------------------------------------------------------------------------
+
+/// The distance of two shapes with a closed form, without dilation. Witnesses have the axes of the world, and a's place as origin.
+/// @param error metres: the distance is off by no more
+lwi_tri_result lwi_round_distance( const lw_shape* a, const lw_transform* world_from_a, const lw_shape* b,
+	const lw_transform* world_from_b, double* error );
 
 // --- distance/convex_bodies.c ------------------------------------------------------------------------------------------------
 

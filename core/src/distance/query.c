@@ -34,7 +34,7 @@ static lwi_motion motion_of( const lw_transform* m )
 	return out;
 }
 
-/// Of measurements in double: everything but the tree frames, which are not written: pairs of primitives have none.
+/// Of measurements in double. The values for trees are not written, since pairs of primitives have none.
 static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b,
 	const lw_transform* a_from_b, lwi_bound* bound )
 {
@@ -46,25 +46,19 @@ static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a,
 	s.a_from_b = a_from_b;
 	s.bound = bound;
 	s.front = NULL;
-	s.obbs = s.has_direction = s.shared.known = false;
-	s.guess_gap = 0;
+	s.trees = s.obbs = s.has_direction = s.shared.known = false;
 	s.radii =
 		( a->family == LWI_TRIANGLES ? a->radius : 0 ) + ( b->family == LWI_TRIANGLES ? b->radius : 0 ) + bound->margin;
-	const lw_vec3 shift = lwi_sub( lwi_transform( a_from_b, lwi_load( b->origin ) ), lwi_load( a->origin ) );
-	double size = lwi_length( shift ) + 2 * ( extent_of( a ) + extent_of( b ) );
-	s.slack = lwi_gap_slack( size );
-	// moving the origins themselves rounds too: by doubles, of the coordinates of origins and poses
 	double reach = max_abs3( a->origin ) + max_abs3( b->origin ) + max_abs3( a_from_b->t ) + extent_of( a ) + extent_of( b );
 	s.error = LWI_EXACT_ERROR * reach;
-	s.slack += s.error;
-	s.least = lwi_is_filled( bound, a ) || lwi_is_filled( bound, b ) ? s.error + s.radii - bound->margin : -INFINITY;
-	lwi_update_limit( &s );
 	return s;
 }
 
-/// The tree frames: shape frames shifted by `origin` (zero for primitives).
+/// The frames of trees, which are shape frames shifted by `origin` (zero for primitives), and the rounding of their floats.
 static void place_trees( lwi_searching* s )
 {
+	s->trees = true;
+	s->guess_gap = 0;
 	lw_transform tree = *s->a_from_b;
 	const lw_vec3 origin_b = lwi_transform( s->a_from_b, lwi_load( s->b->origin ) );
 	tree.t[0] = origin_b.x - s->a->origin[0];
@@ -81,6 +75,11 @@ static void place_trees( lwi_searching* s )
 	}
 	s->from_other[LWI_A] = motion_of( &tree );
 	s->from_other[LWI_B] = motion_of( &inverse );
+	// moving the origins themselves rounds too: by doubles, of the coordinates of origins and poses
+	s->slack = lwi_gap_slack( lwi_length( lwi_load( tree.t ) ) + 2 * ( extent_of( s->a ) + extent_of( s->b ) ) ) + s->error;
+	const bool filled = lwi_is_filled( s->bound, s->a ) || lwi_is_filled( s->bound, s->b );
+	s->least = filled ? s->error + s->radii - s->bound->margin : -INFINITY;
+	lwi_update_limit( s );
 }
 
 /// The shape with its geometry; NULL ends the search.
@@ -136,10 +135,12 @@ static void end_search( lwi_searching* s )
 	}
 }
 
-/// A point or a segment, dilated: two of these have a closed form.
-static bool is_round( const lw_shape* shape )
+/// Measures a pair that has a closed form. False if there is none, or ties are asked for.
+static bool measure_closed_form( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b,
+	const lw_transform* a_from_b, lwi_bound* bound )
 {
-	return shape->type == LW_SHAPE_SPHERE || shape->type == LW_SHAPE_CAPSULE;
+	static const lw_transform own = { { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, { 0, 0, 0 } };
+	return bound->ties == NULL && lwi_have_closed_form( a, b ) && lwi_search_round( memory, a, &own, b, a_from_b, bound );
 }
 
 /// @param look the search may be suspended after its first pass
@@ -158,10 +159,8 @@ static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_
 		return;
 	}
 	memory->stats.queries++;
-	if ( is_round( a ) && is_round( b ) )
+	if ( measure_closed_form( memory, a, b, a_from_b, bound ) )
 	{
-		lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
-		lwi_measure_items( &s, 0, 0 ); // cheaper than the boxes
 		return;
 	}
 	if ( memory->def.planes && !bound->was_near && lwi_boxes_are_apart( a, b, a_from_b, bound ) )
@@ -256,6 +255,10 @@ void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* 
 	a = lwi_shape_now( a );
 	b = lwi_shape_now( b );
 	const bool a_counts = a->primitive || item_a < a->item_count, b_counts = b->primitive || item_b < b->item_count;
+	if ( a_counts && b_counts && measure_closed_form( memory, a, b, a_from_b, bound ) )
+	{
+		return;
+	}
 	lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
 	if ( memory->def.planes && ( a->convex != NULL || b->convex != NULL || ( a_counts && b_counts ) ) &&
 		 lwi_search_convex( &s ) )
@@ -308,7 +311,7 @@ lw_transform lwi_orthonormal( const lw_transform* transform )
 	return m;
 }
 
-bool lwi_pose_given( const lw_transform* given, lw_transform* out )
+const lw_transform* lwi_pose_given( const lw_transform* given, lw_transform* scratch )
 {
 	const lw_vec3 x = lwi_load( given->r[0] ), y = lwi_load( given->r[1] ), z = lwi_load( given->r[2] );
 	bool is_rotation = is_orthonormal( given ) && lwi_dot( lwi_cross( x, y ), z ) > 0;
@@ -316,10 +319,14 @@ bool lwi_pose_given( const lw_transform* given, lw_transform* out )
 	{
 		is_rotation &= fabs( given->t[i] ) <= LW_MAX_TRANSLATION;
 	}
-	if ( !is_rotation && !lw_transform_is_valid( given ) )
+	if ( is_rotation )
 	{
-		return false;
+		return given;
 	}
-	*out = is_rotation ? *given : lwi_orthonormal( given );
-	return true;
+	if ( !lw_transform_is_valid( given ) )
+	{
+		return NULL;
+	}
+	*scratch = lwi_orthonormal( given );
+	return scratch;
 }

@@ -21,8 +21,8 @@ lw_near_def lw_near_def_default( void )
 
 enum
 {
-	BUCKETS = 256, ///< of rows by their distance, at most
-	FEW = 8        ///< rows that are sorted one by one
+	BUCKETS = 1024, ///< of rows by their distance, at most
+	FEW = 8         ///< rows that are sorted one by one
 };
 
 typedef struct near_search
@@ -278,13 +278,54 @@ static void find_depth( near_search* s, const lwi_bound* bound, lw_near_pair* ro
 	row->direction = s->def->tie_width > 0 && !only ? LW_DIRECTION_TIED : LW_DIRECTION_UNIQUE;
 }
 
+/// Measures a pair with a closed form at its poses in the world: that takes less than the memory of a pair.
+/// @return false: it has none, or ties are asked for
+static bool look_at_round( near_search* s, const lwi_near_bodies* bodies, lwi_bound* bound, lw_near_pair* row )
+{
+	const lw_checker* c = s->checker;
+	const lw_shape* a = c->base->bodies[bodies->a].shape;
+	const lw_shape* b = bodies->self ? c->base->bodies[bodies->b].shape : c->scene->shapes[bodies->b].shape;
+	if ( s->def->tie_width > 0 || !lwi_have_closed_form( a, b ) )
+	{
+		return false;
+	}
+	lwi_pose_body( c, s->query, bodies->a );
+	if ( bodies->self )
+	{
+		lwi_pose_body( c, s->query, bodies->b );
+	}
+	const lw_transform* pose_a = &s->query->pose.world_from_body[bodies->a];
+	const lw_transform* pose_b =
+		bodies->self ? &s->query->pose.world_from_body[bodies->b] : &c->scene->shapes[bodies->b].world_from_shape;
+	bound->margin = -bound->range.min_d;
+	if ( !lwi_search_round( &s->query->search, a, pose_a, b, pose_b, bound ) )
+	{
+		return false;
+	}
+	s->query->search.stats.queries++;
+	row->clearance = lwi_bound_result( bound );
+	row->clearance.point_a = lwi_add( bound->point_a, lwi_load( pose_a->t ) );
+	row->clearance.point_b = lwi_add( bound->point_b, lwi_load( pose_a->t ) );
+	return true;
+}
+
+/// The same for other bodies.
+static void look_at_others( near_search* s, const lwi_near_bodies* bodies, lwi_bound* bound, lw_near_pair* row )
+{
+	row->clearance = lwi_near_search( s->checker, s->query, bodies, bound );
+	const lw_transform* pose = &s->query->pose.world_from_body[bodies->a];
+	row->clearance.point_a = lwi_transform( pose, bound->point_a );
+	row->clearance.point_b = lwi_transform( pose, bound->point_b );
+}
+
 /// Searches a pair and keeps its row, if it is near. @param a, b link, and object or link
 static void look( near_search* s, const lwi_near_bodies* bodies, uint32_t a, uint32_t b, double margin )
 {
 	lw_near_pair* row = next_row( s );
 	lwi_bound found = bound_of( s, margin );
 	const lwi_bound* bound = &found;
-	row->clearance = lwi_near_search( s->checker, s->query, bodies, &found );
+	const bool round = look_at_round( s, bodies, &found, row );
+	round ? (void)0 : look_at_others( s, bodies, &found, row );
 	if ( bound->failed || row->clearance.kind == LW_CLEARANCE_FAR )
 	{
 		return;
@@ -294,11 +335,8 @@ static void look( near_search* s, const lwi_near_bodies* bodies, uint32_t a, uin
 	row->body_b = bodies->b;
 	row->self = bodies->self;
 	row->direction = LW_DIRECTION_NONE;
-	const lw_transform* pose = &s->query->pose.world_from_body[row->body_a];
 	row->clearance.a = a;
 	row->clearance.b = b;
-	row->clearance.point_a = lwi_transform( pose, bound->point_a );
-	row->clearance.point_b = lwi_transform( pose, bound->point_b );
 	const lw_vec3 between = lwi_sub( bound->point_a, bound->point_b );
 	const double length = lwi_length( between );
 	if ( row->clearance.kind == LW_CLEARANCE_NEAR && length > 0 )
@@ -306,7 +344,7 @@ static void look( near_search* s, const lwi_near_bodies* bodies, uint32_t a, uin
 		const lw_vec3 normal = { between.x / length, between.y / length, between.z / length };
 		const bool tied = s->def->tie_width > 0 && is_tied( s, bound, row, normal );
 		row->direction = tied ? LW_DIRECTION_TIED : LW_DIRECTION_UNIQUE;
-		row->normal = lwi_rotate( pose, normal );
+		row->normal = round ? normal : lwi_rotate( &s->query->pose.world_from_body[row->body_a], normal );
 	}
 	if ( row->clearance.kind == LW_CLEARANCE_VIOLATION && s->def->depth_steps > 0 )
 	{

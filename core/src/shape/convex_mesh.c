@@ -5,6 +5,7 @@
 // way, every ray from c meets the surface. The plane through a triangle, moved outward until all vertices are behind it, bounds the
 // hull; how far it had to be moved bounds how far a point of the hull's boundary is from the surface along its ray.
 #include "shape/shape.h"
+#include "simd/kernels.h"
 
 #include <stdlib.h>
 
@@ -121,7 +122,7 @@ static int by_place( const void* x, const void* y )
 	return 0;
 }
 
-/// Fills `points`, `place`, `reach` and `mean`. @param memory [vertex_count]
+/// Fills `points`, `about`, `place`, `reach` and `mean`. @param memory [vertex_count]
 static void sort_points( const lw_shape* mesh, sorted* memory, lwi_convex_mesh* hull )
 {
 	for ( uint32_t i = 0; i < mesh->vertex_count; ++i )
@@ -143,6 +144,14 @@ static void sort_points( const lw_shape* mesh, sorted* memory, lwi_convex_mesh* 
 		hull->reach = fmax( hull->reach, lwi_length( v ) );
 	}
 	hull->mean = lwi_scale( 1.0 / mesh->vertex_count, sum );
+	for ( uint32_t i = 0; i < hull->blocks * LWI_WIDTH; ++i )
+	{
+		for ( uint32_t k = 0; k < 3; ++k )
+		{
+			const double first = hull->points[k], at = i < mesh->vertex_count ? hull->points[3 * (size_t)i + k] : first;
+			hull->about[i / LWI_WIDTH].at[k][i % LWI_WIDTH] = at - first;
+		}
+	}
 }
 
 /// How far the hull may exceed the surface behind a triangle, relative to the radius; INFINITY if c is not well behind it.
@@ -230,8 +239,9 @@ lw_status lwi_shape_find_convexity( lw_shape* shape, lw_diag* diag )
 		return LW_OK;
 	}
 	const size_t vertices = shape->vertex_count, edges = 3 * (size_t)shape->item_count;
-	const size_t bytes =
-		sizeof( lwi_convex_mesh ) + 3 * vertices * sizeof( double ) + ( 2 * vertices + 1 + 2 * edges ) * sizeof( uint32_t );
+	const size_t blocks = ( vertices + LWI_WIDTH - 1 ) / LWI_WIDTH;
+	const size_t bytes = sizeof( lwi_convex_mesh ) + blocks * sizeof( lwi_corners8 ) + 3 * vertices * sizeof( double ) +
+						 ( 2 * vertices + 1 + 2 * edges ) * sizeof( uint32_t );
 	lwi_convex_mesh* hull = lwi_alloc_zero( &shape->allocator, 1, bytes );
 	sorted* memory = lwi_alloc( &shape->allocator, vertices * sizeof( sorted ) );
 	bool closed = false;
@@ -239,7 +249,10 @@ lw_status lwi_shape_find_convexity( lw_shape* shape, lw_diag* diag )
 	{
 		hull->bytes = bytes;
 		hull->excess = excess * radius;
-		hull->points = (double*)( hull + 1 );
+		hull->kernels = lwi_kernels_get( lw_simd_available() );
+		hull->blocks = (uint32_t)blocks;
+		hull->about = (lwi_corners8*)( hull + 1 );
+		hull->points = (double*)( hull->about + blocks );
 		hull->first = (uint32_t*)(void*)( hull->points + 3 * vertices );
 		hull->neighbours = hull->first + vertices + 1;
 		hull->triangles = hull->neighbours + edges;

@@ -73,16 +73,19 @@ typedef struct lwi_deferred
 /// A mesh that is the surface of a convex body. Its vertices are sorted, so that answers do not depend on the order of triangles.
 typedef struct lwi_convex_mesh
 {
-	double reach;         ///< of the vertices, about the first of them
-	double excess;        ///< metres: the hull's boundary is no farther from the surface
-	lw_vec3 mean;         ///< of the vertices, about the first of them
-	double* points;       ///< [vertex_count][3] sorted
+	double reach;        ///< of the vertices, about the first of them
+	double excess;       ///< metres: the hull's boundary is no farther from the surface
+	lw_vec3 mean;        ///< of the vertices, about the first of them
+	double* points;      ///< [vertex_count][3] sorted
+	lwi_corners8* about; ///< [blocks] the same, about the first of them
+	const struct lwi_kernels* kernels;
 	uint32_t* first;      ///< [vertex_count + 1] where a vertex' neighbours begin, the end last
 	uint32_t* neighbours; ///< along edges, ascending
 	uint32_t* triangles;  ///< of these edges, on one side
 	uint32_t* place;      ///< [vertex_count] of the mesh's vertices among the points
-	uint32_t start[27];   ///< a vertex that is far along the directions of each cell of lwi_direction_cell()
-	size_t bytes;         ///< of this and the arrays
+	uint32_t blocks;
+	uint32_t start[27]; ///< a vertex that is far along the directions of each cell of lwi_direction_cell()
+	size_t bytes;       ///< of this and the arrays
 } lwi_convex_mesh;
 
 /// The 27 cells of directions: in each coordinate well below, near or well above 0.

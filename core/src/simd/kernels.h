@@ -111,6 +111,8 @@ typedef struct lwi_kernels
 	/// the point of `blocks` > 0 of these that is farthest along `direction`, and how far; of several the one in the first
 	/// lane, in the first block
 	uint32_t ( *points_farthest )( const lwi_points8* points, uint32_t blocks, const float direction[3], float* high );
+	/// the same in double; of several the first
+	uint32_t ( *corners_farthest )( const lwi_corners8* corners, uint32_t blocks, const double direction[3] );
 	/// planes that `count` > 0 boxes stay `need` below. Boxes have the axes of the world and the planes' origin; r: rows of
 	/// world_from_planes room[lane]: how far below they stay, -INFINITY where nothing that touches all faces of one of the
 	/// boxes stays `hope` below

@@ -301,6 +301,41 @@ static uint32_t points_farthest( const lwi_points8* points, uint32_t blocks, con
 	return LWI_WIDTH * (uint32_t)found[lane] + lane;
 }
 
+/// n . c of four corners
+static inline d4 corner_heights( const d4 n[3], const lwi_corners8* corners, uint32_t from )
+{
+	const d4 x = d4_mul( n[0], d4_load( corners->at[0] + from ) ), y = d4_mul( n[1], d4_load( corners->at[1] + from ) );
+	return d4_add( d4_add( x, y ), d4_mul( n[2], d4_load( corners->at[2] + from ) ) );
+}
+
+static uint32_t corners_farthest( const lwi_corners8* corners, uint32_t blocks, const double direction[3] )
+{
+	static const double lanes[LWI_WIDTH] = { 0, 1, 2, 3, 4, 5, 6, 7 };
+	const d4 n[3] = { d4_set( direction[0] ), d4_set( direction[1] ), d4_set( direction[2] ) }, eight = d4_set( LWI_WIDTH );
+	d4 low_at = d4_load( lanes ), high_at = d4_load( lanes + 4 ), low_here = low_at, high_here = high_at;
+	d4 low = corner_heights( n, corners, 0 ), high = corner_heights( n, corners, 4 );
+	for ( uint32_t i = 1; i < blocks; ++i )
+	{
+		low_here = d4_add( low_here, eight );
+		high_here = d4_add( high_here, eight );
+		const d4 x = corner_heights( n, corners + i, 0 ), y = corner_heights( n, corners + i, 4 );
+		const d4_mask low_is_more = d4_lt( low, x ), high_is_more = d4_lt( high, y );
+		low = d4_select( low_is_more, x, low );
+		low_at = d4_select( low_is_more, low_here, low_at );
+		high = d4_select( high_is_more, y, high );
+		high_at = d4_select( high_is_more, high_here, high_at );
+	}
+	double four[4];
+	d4_store( four, d4_select( d4_lt( low, high ), high, low ) );
+	const double even = four[0] < four[1] ? four[1] : four[0], odd = four[2] < four[3] ? four[3] : four[2];
+	const d4 most = d4_set( even < odd ? odd : even ), none = d4_set( INFINITY );
+	low_at = d4_select( d4_lt( low, most ), none, low_at );
+	high_at = d4_select( d4_lt( high, most ), none, high_at );
+	d4_store( four, d4_select( d4_lt( high_at, low_at ), high_at, low_at ) );
+	const double first = four[1] < four[0] ? four[1] : four[0], second = four[3] < four[2] ? four[3] : four[2];
+	return (uint32_t)( second < first ? second : first );
+}
+
 static uint32_t planes_clear( const lwi_planes8* planes, const float r[9], const lwi_sheared_box* boxes, uint32_t count,
 	float need, float hope, float room[LWI_WIDTH] )
 {
@@ -574,7 +609,7 @@ static void sincos_all( const double* restrict angle, uint32_t count, double* re
 #include "simd/kernels_voxels_impl.h"
 
 const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, obb_gap, sphere_pairs, box_gap, box_pair_gap, leaf_gap,
-	slab_gap, node_project, leaf_project, leaf_transform, points_move, points_farthest, planes_clear, triangle_gap,
-	node_primitive_gap, leaf_primitive_gap, sincos_all, batch_frame, batch_point, batch_box, batch_pair, lane_frame,
-	lane_of_batch, lane_point, lane_boxes, lane_body, lane_relative, lane_between, lane_slabs, lane_points, lane_node,
-	point_voxels, pixel_voxels, sensor_points, ray_tangents, ray_pixels, voxels_before };
+	slab_gap, node_project, leaf_project, leaf_transform, points_move, points_farthest, corners_farthest, planes_clear,
+	triangle_gap, node_primitive_gap, leaf_primitive_gap, sincos_all, batch_frame, batch_point, batch_box, batch_pair,
+	lane_frame, lane_of_batch, lane_point, lane_boxes, lane_body, lane_relative, lane_between, lane_slabs, lane_points,
+	lane_node, point_voxels, pixel_voxels, sensor_points, ray_tangents, ray_pixels, voxels_before };

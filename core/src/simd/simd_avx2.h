@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eight float lanes on AVX2. Same names and same bits as simd/simd_sse2.h and simd/simd_scalar.h: every operation is a
+// Eight float lanes, and four of double, on AVX2. Same names and same bits as simd/simd_sse2.h and simd/simd_scalar.h: every operation is a
 // correctly rounded IEEE one (no FMA, no estimates), and min(a, b) is a < b ? a : b on all three.
 #ifndef LEEWAY_SIMD_SIMD_AVX2_H
 #define LEEWAY_SIMD_SIMD_AVX2_H
@@ -75,6 +75,39 @@ static inline f8 f8_select( m8 mask, f8 a, f8 b )
 static inline uint32_t m8_bits( m8 a )
 {
 	return (uint32_t)_mm256_movemask_ps( a );
+}
+
+typedef __m256d d4;
+typedef __m256d d4_mask;
+
+static inline d4 d4_load( const double* p )
+{
+	return _mm256_loadu_pd( p );
+}
+static inline void d4_store( double* p, d4 a )
+{
+	_mm256_storeu_pd( p, a );
+}
+static inline d4 d4_set( double v )
+{
+	return _mm256_set1_pd( v );
+}
+static inline d4 d4_add( d4 a, d4 b )
+{
+	return _mm256_add_pd( a, b );
+}
+static inline d4 d4_mul( d4 a, d4 b )
+{
+	return _mm256_mul_pd( a, b );
+}
+static inline d4_mask d4_lt( d4 a, d4 b )
+{
+	return _mm256_cmp_pd( a, b, _CMP_LT_OQ );
+}
+/// mask ? a : b
+static inline d4 d4_select( d4_mask mask, d4 a, d4 b )
+{
+	return _mm256_blendv_pd( b, a, mask );
 }
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eight float lanes as two NEON halves of AArch64. Same names and same bits as simd/simd_scalar.h: every operation is a
+// Eight float lanes, and four of double, as two NEON halves of AArch64. Same names and same bits as simd/simd_scalar.h: every operation is a
 // correctly rounded IEEE one (no FMA, no estimates; the build turns contraction off). vminq_f32() and vmaxq_f32() order zeros
 // and hand NaN on, so that min(a, b) is a comparison and a selection here.
 #ifndef LEEWAY_SIMD_SIMD_NEON_H
@@ -79,5 +79,45 @@ static inline uint32_t m8_bits( m8 a )
 
 #undef LWI_F8_BINARY
 #undef LWI_M8_BINARY
+
+typedef struct d4
+{
+	float64x2_t lo, hi;
+} d4;
+typedef struct d4_mask
+{
+	uint64x2_t lo, hi;
+} d4_mask;
+
+static inline d4 d4_load( const double* p )
+{
+	return ( d4 ){ vld1q_f64( p ), vld1q_f64( p + 2 ) };
+}
+static inline void d4_store( double* p, d4 a )
+{
+	vst1q_f64( p, a.lo );
+	vst1q_f64( p + 2, a.hi );
+}
+static inline d4 d4_set( double v )
+{
+	return ( d4 ){ vdupq_n_f64( v ), vdupq_n_f64( v ) };
+}
+static inline d4 d4_add( d4 a, d4 b )
+{
+	return ( d4 ){ vaddq_f64( a.lo, b.lo ), vaddq_f64( a.hi, b.hi ) };
+}
+static inline d4 d4_mul( d4 a, d4 b )
+{
+	return ( d4 ){ vmulq_f64( a.lo, b.lo ), vmulq_f64( a.hi, b.hi ) };
+}
+static inline d4_mask d4_lt( d4 a, d4 b )
+{
+	return ( d4_mask ){ vcltq_f64( a.lo, b.lo ), vcltq_f64( a.hi, b.hi ) };
+}
+/// mask ? a : b
+static inline d4 d4_select( d4_mask mask, d4 a, d4 b )
+{
+	return ( d4 ){ vbslq_f64( mask.lo, a.lo, b.lo ), vbslq_f64( mask.hi, a.hi, b.hi ) };
+}
 
 #endif

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eight float lanes in plain C: defines the functions of simd/simd_sse2.h, simd/simd_avx2.h and simd/simd_neon.h, and is
+// Eight float lanes, and four of double, in plain C: defines the functions of simd/simd_sse2.h, simd/simd_avx2.h and simd/simd_neon.h, and is
 // the code for machines without any of these.
 #ifndef LEEWAY_SIMD_SIMD_SCALAR_H
 #define LEEWAY_SIMD_SIMD_SCALAR_H
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
 
 typedef struct f8
 {
@@ -103,5 +105,45 @@ static inline uint32_t m8_bits( m8 a )
 
 #undef LWI_F8_LANES
 #undef LWI_F8_COMPARE
+
+typedef struct d4
+{
+	double v[4];
+} d4;
+typedef struct d4_mask
+{
+	bool v[4];
+} d4_mask;
+
+static inline d4 d4_load( const double* p )
+{
+	return ( d4 ){ { p[0], p[1], p[2], p[3] } };
+}
+static inline void d4_store( double* p, d4 a )
+{
+	memcpy( p, a.v, sizeof( a.v ) );
+}
+static inline d4 d4_set( double v )
+{
+	return ( d4 ){ { v, v, v, v } };
+}
+static inline d4 d4_add( d4 a, d4 b )
+{
+	return ( d4 ){ { a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2], a.v[3] + b.v[3] } };
+}
+static inline d4 d4_mul( d4 a, d4 b )
+{
+	return ( d4 ){ { a.v[0] * b.v[0], a.v[1] * b.v[1], a.v[2] * b.v[2], a.v[3] * b.v[3] } };
+}
+static inline d4_mask d4_lt( d4 a, d4 b )
+{
+	return ( d4_mask ){ { a.v[0] < b.v[0], a.v[1] < b.v[1], a.v[2] < b.v[2], a.v[3] < b.v[3] } };
+}
+/// mask ? a : b
+static inline d4 d4_select( d4_mask mask, d4 a, d4 b )
+{
+	return ( d4 ){ { mask.v[0] ? a.v[0] : b.v[0], mask.v[1] ? a.v[1] : b.v[1], mask.v[2] ? a.v[2] : b.v[2],
+		mask.v[3] ? a.v[3] : b.v[3] } };
+}
 
 #endif

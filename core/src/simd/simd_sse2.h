@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eight float lanes as two SSE2 halves. Same names and same bits as simd/simd_avx2.h and simd/simd_scalar.h.
+// Eight float lanes, and four of double, as two SSE2 halves. Same names and same bits as simd/simd_avx2.h and simd/simd_scalar.h.
 #ifndef LEEWAY_SIMD_SIMD_SSE2_H
 #define LEEWAY_SIMD_SIMD_SSE2_H
 
@@ -62,5 +62,43 @@ static inline uint32_t m8_bits( m8 a )
 }
 
 #undef LWI_F8_BINARY
+
+typedef struct d4
+{
+	__m128d lo, hi;
+} d4;
+typedef d4 d4_mask;
+
+static inline d4 d4_load( const double* p )
+{
+	return ( d4 ){ _mm_loadu_pd( p ), _mm_loadu_pd( p + 2 ) };
+}
+static inline void d4_store( double* p, d4 a )
+{
+	_mm_storeu_pd( p, a.lo );
+	_mm_storeu_pd( p + 2, a.hi );
+}
+static inline d4 d4_set( double v )
+{
+	return ( d4 ){ _mm_set1_pd( v ), _mm_set1_pd( v ) };
+}
+static inline d4 d4_add( d4 a, d4 b )
+{
+	return ( d4 ){ _mm_add_pd( a.lo, b.lo ), _mm_add_pd( a.hi, b.hi ) };
+}
+static inline d4 d4_mul( d4 a, d4 b )
+{
+	return ( d4 ){ _mm_mul_pd( a.lo, b.lo ), _mm_mul_pd( a.hi, b.hi ) };
+}
+static inline d4_mask d4_lt( d4 a, d4 b )
+{
+	return ( d4 ){ _mm_cmplt_pd( a.lo, b.lo ), _mm_cmplt_pd( a.hi, b.hi ) };
+}
+/// mask ? a : b
+static inline d4 d4_select( d4_mask mask, d4 a, d4 b )
+{
+	return ( d4 ){ _mm_or_pd( _mm_and_pd( mask.lo, a.lo ), _mm_andnot_pd( mask.lo, b.lo ) ),
+		_mm_or_pd( _mm_and_pd( mask.hi, a.hi ), _mm_andnot_pd( mask.hi, b.hi ) ) };
+}
 
 #endif

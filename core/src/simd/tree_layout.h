@@ -93,6 +93,12 @@ typedef struct lwi_points8
 	float at[3][LWI_WIDTH]; ///< [axis][lane]
 } lwi_points8;
 
+/// Eight vertices of a convex mesh; pads repeat the first vertex of all.
+typedef struct lwi_corners8
+{
+	double at[3][LWI_WIDTH]; ///< [axis][lane]
+} lwi_corners8;
+
 /// Index of the lowest set bit of a lane mask; mask != 0.
 static inline uint32_t lwi_lowest_bit( uint32_t mask )
 {
