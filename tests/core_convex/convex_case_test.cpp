@@ -265,3 +265,38 @@ TEST( ConvexCase, EitherOrderGivesCompatibleIntervals )
 		ASSERT_LE( s.lower, r.upper + slack );
 	}
 }
+
+// Newton's directions that lead nowhere cost points, and no test of bounds sees them
+TEST( ConvexCase, RimsTakeAsManyPointsAsBisection )
+{
+	SeededRng rng( 17 );
+	const lwi_convex_type types[] = { LWI_CONVEX_TRIANGLE, LWI_CONVEX_BOX, LWI_CONVEX_CYLINDER, LWI_CONVEX_CONE };
+	for ( lwi_convex_type ta : types )
+	{
+		for ( lwi_convex_type tb : { LWI_CONVEX_CYLINDER, LWI_CONVEX_CONE } )
+		{
+			double points = 0;
+			for ( int i = 0; i < 1000; )
+			{
+				lwi_convex a = random_piece( rng, ta, 1 ), b = random_piece( rng, tb, 1 );
+				for ( int k = 0; k < 3; ++k )
+				{
+					a.size[k] = rng.uniform( 0.1, 0.5 );
+					b.size[k] = rng.uniform( 0.1, 0.5 );
+				}
+				lw_transform m = random_rotation( rng );
+				for ( double& t : m.t )
+				{
+					t = rng.uniform( -1.2, 1.2 );
+				}
+				const lwi_convex_result r = i % 2 == 0 ? measure( a, b, m ) : measure( b, a, m );
+				if ( r.lower > 1e-3 )
+				{
+					points += r.iterations;
+					++i;
+				}
+			}
+			EXPECT_LT( points / 1000, 9 ) << ta << " and " << tb; // GJK alone: 10 to 16
+		}
+	}
+}

@@ -271,11 +271,6 @@ static double excess_of( const lwi_convex* piece )
 	return piece->type == LWI_CONVEX_POINTS && piece->mesh != NULL ? piece->mesh->excess : 0;
 }
 
-static bool is_curved( const lwi_support_map* piece )
-{
-	return piece->type == LWI_CONVEX_CYLINDER || piece->type == LWI_CONVEX_CONE;
-}
-
 /// Fills the answer for bodies whose cores are apart by a known distance: radii R overlap by R less it.
 static void round_depth( const lwi_convex_result* apart, double radius_a, double radius_b, double rounding, lw_depth* out )
 {
@@ -292,7 +287,7 @@ static void round_depth( const lwi_convex_result* apart, double radius_a, double
 /// The radius of a ball in the difference of the cores, rounding not taken off; fills the bound from above.
 static double measure( expansion* e, const lw_depth_def* def )
 {
-	const bool curved = is_curved( &e->pair.a ) || is_curved( &e->pair.b );
+	const bool curved = lwi_is_curved( &e->pair.a ) || lwi_is_curved( &e->pair.b );
 	const double width = fmax( def->width, curved ? 1e-11 * e->pair.extent : 2 * e->rounding );
 	return closed_form( e ) ? e->upper - e->rounding : expand( e, width );
 }

@@ -17,10 +17,15 @@
 
 enum
 {
-	/// Of the double stage. Polytopes need 3 to 12, cylinders and cones up to 35 apart from contact; more means that double
+	/// Of the double stage. Polytopes need 3 to 12, cylinders and cones 4 to 35 apart from contact; more means that double
 	/// is at its end.
-	MAX_ITERATIONS = 48
+	MAX_ITERATIONS = 48,
+	FIRST_NEWTON = 3, ///< points until GJK has found the features of curved pieces that are nearest
+	STALLS = 2        ///< points in a row that Newton's directions may gain nothing
 };
+
+/// Share of an interval's width: a point that leaves more gained nothing.
+#define LEAST_GAIN 0.9
 
 static bool is_same( lw_vec3 a, lw_vec3 b )
 {
@@ -255,6 +260,86 @@ static bool gjk( lwi_pair* pair, double width, double stop_above, double stop_be
 	}
 }
 
+/// Directions between curved pieces.
+typedef struct course
+{
+	lw_vec3 v;     ///< the next one
+	lw_vec3 plain; ///< GJK's own
+	bool proposed; ///< v is Newton's
+	int stalls;    ///< points in a row that hardly narrowed the interval
+	double left;   ///< its width
+} course;
+
+/// Chooses the next direction. @param w the support point against the last one
+static void turn( course* c, const lwi_pair* pair, const lwi_simplex* simplex, vec_d w, const lwi_bounds* bounds )
+{
+	const double left = bounds->upper - bounds->lower;
+	c->stalls = left < LEAST_GAIN * c->left ? 0 : c->stalls + 1;
+	c->left = left;
+	c->proposed = c->stalls < STALLS && bounds->iterations >= FIRST_NEWTON &&
+				  lwi_convex_newton( pair, simplex, c->v, lwi_v3( w.x, w.y, w.z ), bounds->upper, &c->v );
+	c->v = c->proposed ? c->v : c->plain;
+}
+
+/// Takes in the support point that was found. @return true: nothing is gained by going on
+static bool take_in( course* c, const lwi_pair* pair, lwi_simplex* simplex, vec_d* w, vec_d next, lwi_bounds* bounds )
+{
+	if ( c->proposed && next.x * next.x + next.y * next.y + next.z * next.z < bounds->upper * bounds->upper )
+	{
+		simplex->a[0] = simplex->a[simplex->count]; // nearer than all that came before
+		simplex->b[0] = simplex->b[simplex->count];
+		simplex->count = 0;
+	}
+	w[simplex->count++] = next;
+	nearest_d nearest;
+	const bool inside = nearest_to_origin_d( w, simplex->count, false, &nearest );
+	reduce( simplex, w, &nearest );
+	offer_witness( pair, simplex, bounds );
+	c->plain = lwi_v3( nearest.v.x, nearest.v.y, nearest.v.z );
+	return inside || !( nearest.sq > 0.0 );
+}
+
+/// gjk() where one piece has a rim: a part of the directions are Newton's. Apart from gjk(), which is slower with the branches of this one.
+static bool gjk_curved( lwi_pair* pair, double width, double stop_above, double stop_below, lwi_simplex* simplex,
+	lwi_bounds* bounds )
+{
+	const double rounding = LWI_CONVEX_ROUNDING * pair->extent;
+	course c = { .v = lwi_sub( centroid( &pair->a ), lwi_transform( &pair->place, centroid( &pair->b ) ) ),
+		.left = INFINITY };
+	c.v = lwi_length_sq( c.v ) > 0.0 ? c.v : lwi_v3( 1.0, 0.0, 0.0 );
+	vec_d w[4];
+	simplex->count = 0;
+	while ( bounds->iterations < MAX_ITERATIONS && c.stalls <= STALLS )
+	{
+		const vec_d next = add_support( pair, c.v, false, simplex );
+		const double gap = gap_of( c.v, next ) - rounding;
+		bounds->lower = gap > bounds->lower ? gap : bounds->lower;
+		if ( lwi_bounds_done( bounds, rounding, width, stop_above, stop_below ) )
+		{
+			return true;
+		}
+		++bounds->iterations;
+		if ( is_known( simplex ) )
+		{
+			c.stalls = c.proposed ? STALLS : STALLS + 1;
+			c.proposed = false;
+			c.v = c.plain;
+			continue;
+		}
+		const bool ends = take_in( &c, pair, simplex, w, next, bounds );
+		if ( bounds->upper <= 0.5 * rounding || bounds->upper <= stop_below )
+		{
+			return true;
+		}
+		if ( ends )
+		{
+			return false;
+		}
+		turn( &c, pair, simplex, next, bounds );
+	}
+	return false;
+}
+
 static bool is_point( const lwi_support_map* piece )
 {
 	return piece->type == LWI_CONVEX_TRIANGLE && piece->radius == 0.0;
@@ -283,11 +368,6 @@ static void triangles( const lwi_pair* pair, lwi_bounds* bounds )
 	lwi_tri_result r = lwi_tri_tri( pair->a.vertex, b );
 	double lower = r.distance - ( LWI_TRI_TRI_ERROR + LWI_CONVEX_ROUNDING ) * pair->extent;
 	*bounds = ( lwi_bounds ){ lower, r.distance, r.point_a, r.point_b, 1 };
-}
-
-static bool is_curved( const lwi_support_map* piece )
-{
-	return piece->type == LWI_CONVEX_CYLINDER || piece->type == LWI_CONVEX_CONE;
 }
 
 static lwi_convex primitive_of( const lwi_support_map* piece )
@@ -376,7 +456,7 @@ static bool is_corner_candidate( const lwi_pair* pair )
 static double width_of( const lwi_pair* pair )
 {
 	const bool boxes = pair->a.type == LWI_CONVEX_BOX || pair->b.type == LWI_CONVEX_BOX;
-	const bool curved = is_curved( &pair->a ) || is_curved( &pair->b );
+	const bool curved = lwi_is_curved( &pair->a ) || lwi_is_curved( &pair->b );
 	const bool meshes = is_mesh( &pair->a ) || is_mesh( &pair->b );
 	return curved             ? 0.1 * LWI_CONVEX_WIDTH_CURVED * pair->extent
 		   : meshes && !boxes ? 0
@@ -416,7 +496,8 @@ lwi_convex_result lwi_pair_distance( lwi_pair* pair, lw_vec3 origin_a, double en
 	{
 		double width = lwi_larger( enough, width_of( pair ) );
 		lwi_simplex simplex;
-		if ( !gjk( pair, width, stop_above, stop_below, &simplex, &bounds ) )
+		const bool curved = lwi_is_curved( &pair->a ) || lwi_is_curved( &pair->b );
+		if ( !( curved ? gjk_curved : gjk )( pair, width, stop_above, stop_below, &simplex, &bounds ) )
 		{
 			lwi_convex_refine( pair, &simplex, width, stop_above, stop_below, &bounds );
 		}

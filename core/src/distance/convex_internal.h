@@ -54,13 +54,6 @@ typedef struct lwi_bounds
 	uint32_t iterations;
 } lwi_bounds;
 
-/// Vertex i of a convex mesh, about the first of them.
-static inline lw_vec3 lwi_mesh_point( const lwi_convex_mesh* mesh, uint32_t i )
-{
-	const lwi_corners8* block = mesh->about + i / LWI_WIDTH;
-	return lwi_v3( block->at[0][i % LWI_WIDTH], block->at[1][i % LWI_WIDTH], block->at[2][i % LWI_WIDTH] );
-}
-
 /// The vertex of a mesh that is farthest along n.
 static inline uint32_t lwi_mesh_farthest( const lwi_convex_mesh* mesh, lw_vec3 n )
 {
@@ -133,6 +126,12 @@ static inline lw_vec3 lwi_mesh_climb( lwi_support_map* piece, lw_vec3 n )
 	return best;
 }
 
+/// A rim is on it.
+static inline bool lwi_is_curved( const lwi_support_map* piece )
+{
+	return piece->type == LWI_CONVEX_CYLINDER || piece->type == LWI_CONVEX_CONE;
+}
+
 /// A point of the piece that is farthest in direction n (any length > 0).
 static inline lw_vec3 lwi_support_point( const lwi_support_map* piece, lw_vec3 n )
 {
@@ -181,6 +180,10 @@ static inline bool lwi_bounds_done( const lwi_bounds* bounds, double rounding, d
 /// @param width the interval to reach, metres
 void lwi_convex_refine( const lwi_pair* pair, lwi_simplex* simplex, double width, double stop_above, double stop_below,
 	lwi_bounds* bounds );
+
+/// A direction that is nearer to that of the distance than GJK's next one, of pieces with rims. False if there is none.
+/// @param v the last direction @param w the support point of a - b against it @param d the distance, nearly
+bool lwi_convex_newton( const lwi_pair* pair, const lwi_simplex* simplex, lw_vec3 v, lw_vec3 w, double d, lw_vec3* out );
 
 LW_EXTERN_C_END
 

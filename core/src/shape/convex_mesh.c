@@ -35,6 +35,13 @@ static bool is_turned( const lw_shape* mesh, const uint32_t* t, lw_vec3 c )
 	return lwi_dot( n, lwi_sub( c, o ) ) > 0;
 }
 
+typedef struct sorted
+{
+	double at[3];
+	uint32_t vertex; ///< of this point
+	uint32_t place;  ///< of vertex i, in element i, among the points
+} sorted;
+
 static bool has_neighbour( const lwi_convex_mesh* hull, uint32_t from, uint32_t to, uint32_t times )
 {
 	uint32_t found = 0;
@@ -62,13 +69,14 @@ static void sort_neighbours( lwi_convex_mesh* hull, uint32_t vertex )
 }
 
 /// Lists the neighbours of each vertex. True if every edge of the triangles runs once each way, when c is behind all of them.
-static bool find_neighbours( const lw_shape* mesh, lw_vec3 c, lwi_convex_mesh* hull )
+static bool find_neighbours( const lw_shape* mesh, const sorted* memory, lw_vec3 c, lwi_convex_mesh* hull )
 {
 	const uint32_t vertices = mesh->vertex_count, edges = 3 * mesh->item_count;
 	for ( uint32_t i = 0; i < edges; ++i )
 	{
-		++hull->first[hull->place[mesh->indices[i]] +
+		++hull->first[memory[mesh->indices[i]].place +
 					  1]; // as many edges of triangles begin at a vertex as there are corners
+		hull->corners[i] = (uint16_t)memory[mesh->indices[i]].place;
 	}
 	for ( uint32_t v = 0; v < vertices; ++v )
 	{
@@ -78,8 +86,8 @@ static bool find_neighbours( const lw_shape* mesh, lw_vec3 c, lwi_convex_mesh* h
 	{
 		const uint32_t* t = mesh->indices + i - i % 3;
 		const uint32_t to = t[( i + ( is_turned( mesh, t, c ) ? 2 : 1 ) ) % 3];
-		const uint32_t at = --hull->first[hull->place[t[i % 3]] + 1];
-		hull->neighbours[at] = hull->place[to];
+		const uint32_t at = --hull->first[memory[t[i % 3]].place + 1];
+		hull->neighbours[at] = memory[to].place;
 		hull->triangles[at] = i / 3;
 	}
 	// each first[v + 1] is now where the list of v begins
@@ -103,12 +111,6 @@ static bool find_neighbours( const lw_shape* mesh, lw_vec3 c, lwi_convex_mesh* h
 	return true;
 }
 
-typedef struct sorted
-{
-	double at[3];
-	uint32_t vertex;
-} sorted;
-
 static int by_place( const void* x, const void* y )
 {
 	const double *a = ( (const sorted*)x )->at, *b = ( (const sorted*)y )->at;
@@ -122,13 +124,13 @@ static int by_place( const void* x, const void* y )
 	return 0;
 }
 
-/// Fills `points`, `about`, `place`, `reach` and `mean`. @param memory [vertex_count]
+/// Fills `points`, `about`, `reach` and `mean`. @param memory [vertex_count]
 static void sort_points( const lw_shape* mesh, sorted* memory, lwi_convex_mesh* hull )
 {
 	for ( uint32_t i = 0; i < mesh->vertex_count; ++i )
 	{
 		const double* v = mesh->vertices + 3 * (size_t)i;
-		memory[i] = ( sorted ){ { v[0], v[1], v[2] }, i };
+		memory[i] = ( sorted ){ { v[0], v[1], v[2] }, i, 0 };
 	}
 	qsort( memory, mesh->vertex_count, sizeof( *memory ), by_place );
 	lw_vec3 sum = { 0, 0, 0 };
@@ -138,7 +140,7 @@ static void sort_points( const lw_shape* mesh, sorted* memory, lwi_convex_mesh* 
 		p[0] = memory[i].at[0];
 		p[1] = memory[i].at[1];
 		p[2] = memory[i].at[2];
-		hull->place[memory[i].vertex] = i;
+		memory[memory[i].vertex].place = i;
 		const lw_vec3 v = lwi_sub( lwi_load( p ), lwi_load( hull->points ) );
 		sum = lwi_add( sum, v );
 		hull->reach = fmax( hull->reach, lwi_length( v ) );
@@ -241,7 +243,7 @@ lw_status lwi_shape_find_convexity( lw_shape* shape, lw_diag* diag )
 	const size_t vertices = shape->vertex_count, edges = 3 * (size_t)shape->item_count;
 	const size_t blocks = ( vertices + LWI_WIDTH - 1 ) / LWI_WIDTH;
 	const size_t bytes = sizeof( lwi_convex_mesh ) + blocks * sizeof( lwi_corners8 ) + 3 * vertices * sizeof( double ) +
-						 ( 2 * vertices + 1 + 2 * edges ) * sizeof( uint32_t );
+						 ( vertices + 1 + 2 * edges ) * sizeof( uint32_t ) + edges * sizeof( uint16_t );
 	lwi_convex_mesh* hull = lwi_alloc_zero( &shape->allocator, 1, bytes );
 	sorted* memory = lwi_alloc( &shape->allocator, vertices * sizeof( sorted ) );
 	bool closed = false;
@@ -256,9 +258,9 @@ lw_status lwi_shape_find_convexity( lw_shape* shape, lw_diag* diag )
 		hull->first = (uint32_t*)(void*)( hull->points + 3 * vertices );
 		hull->neighbours = hull->first + vertices + 1;
 		hull->triangles = hull->neighbours + edges;
-		hull->place = hull->triangles + edges;
+		hull->corners = (uint16_t*)(void*)( hull->triangles + edges );
 		sort_points( shape, memory, hull );
-		closed = find_neighbours( shape, c, hull );
+		closed = find_neighbours( shape, memory, c, hull );
 	}
 	const bool failed = hull == NULL || memory == NULL;
 	lwi_free( &shape->allocator, memory, vertices * sizeof( sorted ) );
@@ -274,15 +276,16 @@ lw_status lwi_shape_find_convexity( lw_shape* shape, lw_diag* diag )
 }
 
 /// How much larger the three triangles between a triangle's sides and a point are than the triangle, relative to its size: 0 inside.
-static double outside( const lw_shape* mesh, uint32_t triangle, lw_vec3 point )
+/// @param point about the first vertex
+static double outside( const lwi_convex_mesh* mesh, uint32_t triangle, lw_vec3 point )
 {
-	lw_vec3 to[3], o;
-	const uint32_t* t = mesh->indices + 3 * (size_t)triangle;
+	lw_vec3 at[3], to[3];
 	for ( int k = 0; k < 3; ++k )
 	{
-		to[k] = lwi_sub( vertex( mesh, t[k] ), point );
+		at[k] = lwi_mesh_point( mesh, mesh->corners[3 * (size_t)triangle + (size_t)k] );
+		to[k] = lwi_sub( at[k], point );
 	}
-	const double whole = lwi_length( normal_of( mesh, t, &o ) );
+	const double whole = lwi_length( lwi_cross( lwi_sub( at[1], at[0] ), lwi_sub( at[2], at[0] ) ) );
 	const double parts = lwi_length( lwi_cross( to[0], to[1] ) ) + lwi_length( lwi_cross( to[1], to[2] ) ) +
 						 lwi_length( lwi_cross( to[2], to[0] ) );
 	return ( parts - whole ) / sqrt( whole );
@@ -297,21 +300,22 @@ uint32_t lwi_convex_mesh_triangle( const lw_shape* shape, lw_vec3 point, uint32_
 {
 	const lwi_convex_mesh* mesh = shape->convex;
 	const double on = ON_TRIANGLE * mesh->reach, surely = SURELY_ON * mesh->reach;
+	const lw_vec3 place = lwi_sub( point, lwi_load( mesh->points ) );
 	uint32_t best = near;
-	double least = outside( shape, near, point );
+	double least = outside( mesh, near, place );
 	for ( int k = 0; k < 3 && least > surely; ++k )
 	{
-		const uint32_t corner = mesh->place[shape->indices[3 * (size_t)near + (size_t)k]];
+		const uint32_t corner = mesh->corners[3 * (size_t)near + (size_t)k];
 		for ( uint32_t i = mesh->first[corner]; i < mesh->first[corner + 1] && least > surely; ++i )
 		{
-			const double far = outside( shape, mesh->triangles[i], point );
+			const double far = outside( mesh, mesh->triangles[i], place );
 			best = far < least ? mesh->triangles[i] : best;
 			least = far < least ? far : least;
 		}
 	}
 	for ( uint32_t i = 0; i < shape->item_count && least > on; ++i )
 	{
-		const double far = outside( shape, i, point );
+		const double far = outside( mesh, i, place );
 		best = far < least ? i : best;
 		least = far < least ? far : least;
 	}

@@ -82,11 +82,18 @@ typedef struct lwi_convex_mesh
 	uint32_t* first;      ///< [vertex_count + 1] where a vertex' neighbours begin, the end last
 	uint32_t* neighbours; ///< along edges, ascending
 	uint32_t* triangles;  ///< of these edges, on one side
-	uint32_t* place;      ///< [vertex_count] of the mesh's vertices among the points
+	uint16_t* corners;    ///< [item_count][3] points of the mesh's triangles
 	uint32_t blocks;
 	uint32_t start[27]; ///< a vertex that is far along the directions of each cell of lwi_direction_cell()
 	size_t bytes;       ///< of this and the arrays
 } lwi_convex_mesh;
+
+/// Vertex i of a convex mesh, about the first of them.
+static inline lw_vec3 lwi_mesh_point( const lwi_convex_mesh* mesh, uint32_t i )
+{
+	const lwi_corners8* block = mesh->about + i / LWI_WIDTH;
+	return lwi_v3( block->at[0][i % LWI_WIDTH], block->at[1][i % LWI_WIDTH], block->at[2][i % LWI_WIDTH] );
+}
 
 /// The 27 cells of directions: in each coordinate well below, near or well above 0.
 static inline uint32_t lwi_direction_cell( lw_vec3 n )
