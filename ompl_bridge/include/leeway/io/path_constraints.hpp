@@ -3,7 +3,7 @@
 // sequences of requests (moveit_msgs/MotionSequenceRequest).
 #pragma once
 
-#include "leeway/io/model.hpp"
+#include "leeway/io/scene_diff.hpp"
 
 #include <optional>
 #include <string>
@@ -39,6 +39,7 @@ struct SequenceItem
 {
 	Request request;         ///< of items behind the first: without a start, which is where the item before ends
 	PathConstraints path;    ///< without items
+	SceneDiff scene;         ///< planning_options.planning_scene_diff: the scene changes before the motion
 	double blend_radius = 0; ///< metres, 0 or more, of the last item 0
 	std::string element;     ///< its place in the file, for errors: "items[1]"
 };
@@ -46,10 +47,12 @@ struct SequenceItem
 /// loadRequest() of a file whose constraints along the path are no error: they are read into `path`. Visibility constraints stay an Error.
 /// `waypoints` are read too; such a request has no goal. `items` of a sequence are read into `path.items`: the request then has start and group of the
 /// first, the sum of all times, and no goal.
+/// @param options for meshes and other files of the objects that items bring
 /// @throws Error
-Request loadConstrainedRequest( const std::string& file, PathConstraints& path );
+Request loadConstrainedRequest( const std::string& file, PathConstraints& path, const LoadOptions& options = {} );
 
-/// The same of a document in memory. @param name of it, for errors
-Request parseConstrainedRequest( const std::string& name, const std::string& text, PathConstraints& path );
+/// The same of a document in memory. @param name of it, for errors; files that it names are found beside that
+Request parseConstrainedRequest(
+    const std::string& name, const std::string& text, PathConstraints& path, const LoadOptions& options = {} );
 
 } // namespace leeway::io

@@ -13,10 +13,22 @@
 #include "leeway/io/cloud.hpp"
 #include "leeway/io/model.hpp"
 
-#include <set>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace leeway::io
 {
+
+/// An allowed collision matrix, as SceneModel has it.
+struct ContactMatrix
+{
+	std::vector<std::pair<std::string, std::string>> allowed; ///< pairs that are true
+	std::vector<std::string> default_allowed;                 ///< names that are allowed with everything
+	std::vector<std::string> names;                           ///< the matrix decides on every pair of them
+	std::string element;                                      ///< its place in the file, for errors
+};
 
 /// Any thread may call all functions; changes happen one after the other. A call that throws changes nothing. Poses are
 /// poses of object frames: the `pose` that a file gives the object, else the origin of its shapes' poses.
@@ -26,8 +38,11 @@ public:
 	/// Calls buildProblem(), and keeps the allowed contacts of `options` and of the scene, paddings and margins for later objects.
 	/// Pointers in `options` are not used after this call. @throws Error
 	World( const RobotModel& robot, const ProblemOptions& options );
+	/// The same of a problem that buildProblem() made of this robot and these options. @throws Error
+	World( const RobotModel& robot, const ProblemOptions& options, const Problem& problem );
+	/// A world of its own, which begins with the current snapshot of the other.
+	World( const World& other );
 	~World();
-	World( const World& ) = delete;
 	World& operator=( const World& ) = delete;
 
 	/// The current snapshot.
@@ -59,6 +74,11 @@ public:
 	/// Allows or forbids contact of a link, or attached object, with an object, for these names. @throws Error (no such
 	/// link)
 	Checker allow( const std::string& link, const std::string& object, bool allowed );
+	/// Replaces the scene's allowed collision matrix; contacts of `options` and of allow() stay.
+	/// @throws Error if contacts would change between two links of the robot, or of a link with an object that is attached now
+	Checker setContacts( const ContactMatrix& matrix );
+	/// The link that an object is attached to; empty: the object is in the world. @throws Error if there is no such object
+	std::string holder( const std::string& object ) const;
 	/// Replaces all margins except padding. @throws Error (an unknown name, a negative margin)
 	Checker setMargins( const Margins& margins );
 

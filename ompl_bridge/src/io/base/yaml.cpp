@@ -269,6 +269,19 @@ void YamlNode::noticeUnused( const std::vector<std::string>& keys, const std::st
 	}
 }
 
+void YamlNode::refuseUsed(
+    const std::vector<std::string>& keys, const std::string& problem, const std::string& remedy ) const
+{
+	for ( const std::string& key : keys )
+	{
+		const YamlNode value = ( *this )[key.c_str()];
+		if ( value.defined() && !saysNothing( value.m_node ) )
+		{
+			value.fail( problem, remedy );
+		}
+	}
+}
+
 void YamlNode::refuseMisspelt( const std::string& key, const std::vector<std::string>& known ) const
 {
 	const std::string meant = meantKey( key, known );

@@ -57,6 +57,9 @@ public:
 	/// One notice for those of these keys that hold something else than zeros, empty texts and empty lists.
 	void noticeUnused( const std::vector<std::string>& keys, const std::string& why ) const;
 
+	/// @throws Error for the first of these keys that holds something else than those
+	void refuseUsed( const std::vector<std::string>& keys, const std::string& problem, const std::string& remedy ) const;
+
 	double number() const;    ///< a finite number
 	std::string text() const; ///< a scalar
 	std::string textOr( const char* fallback ) const;

@@ -2,10 +2,13 @@
 // A planning scene's allowed collision matrix, by names of links and objects that need not exist yet.
 #pragma once
 
-#include "leeway/io/model.hpp"
+#include "leeway/io/world.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <string>
+#include <utility>
 
 namespace leeway::io::detail
 {
@@ -16,41 +19,46 @@ public:
 	/// @param scene nullptr: nothing is allowed
 	explicit AllowedNames( const SceneModel* scene )
 	{
-		for ( std::size_t i = 0; scene != nullptr && i < scene->allowed.size(); ++i )
-		{
-			m_pairs.insert( std::minmax( scene->allowed[i].first, scene->allowed[i].second ) );
-		}
 		if ( scene != nullptr )
 		{
-			m_defaults.insert( scene->default_allowed.begin(), scene->default_allowed.end() );
-			m_decided.insert( scene->matrix_names.begin(), scene->matrix_names.end() );
+			setMatrix( { scene->allowed, scene->default_allowed, scene->matrix_names, "" } );
 		}
 	}
 
-	bool empty() const { return m_pairs.empty() && m_defaults.empty(); }
+	bool empty() const { return m_pairs.empty() && m_defaults.empty() && m_set.empty(); }
 
 	bool allows( const std::string& a, const std::string& b ) const
 	{
 		const std::pair<std::string, std::string> pair = std::minmax( a, b );
-		if ( m_pairs.count( pair ) != 0 )
+		const auto set = m_set.find( pair );
+		if ( set != m_set.end() || m_pairs.count( pair ) != 0 )
 		{
-			return true;
+			return set == m_set.end() || set->second;
 		}
 		// an entry of the matrix is more specific than a default
-		const bool decided = m_forbidden.count( pair ) != 0 || ( m_decided.count( a ) != 0 && m_decided.count( b ) != 0 );
+		const bool decided = m_decided.count( a ) != 0 && m_decided.count( b ) != 0;
 		return !decided && ( m_defaults.count( a ) != 0 || m_defaults.count( b ) != 0 );
 	}
 
-	void set( const std::string& a, const std::string& b, bool allowed )
+	/// Goes before the matrix.
+	void set( const std::string& a, const std::string& b, bool allowed ) { m_set[std::minmax( a, b )] = allowed; }
+
+	/// In place of the matrix so far.
+	void setMatrix( const ContactMatrix& matrix )
 	{
-		const std::pair<std::string, std::string> pair = std::minmax( a, b );
-		( allowed ? m_pairs : m_forbidden ).insert( pair );
-		( allowed ? m_forbidden : m_pairs ).erase( pair );
+		m_pairs.clear();
+		for ( const auto& [a, b] : matrix.allowed )
+		{
+			m_pairs.insert( std::minmax( a, b ) );
+		}
+		m_defaults = { matrix.default_allowed.begin(), matrix.default_allowed.end() };
+		m_decided = { matrix.names.begin(), matrix.names.end() };
 	}
 
 private:
-	std::set<std::pair<std::string, std::string>> m_pairs, m_forbidden;
+	std::set<std::pair<std::string, std::string>> m_pairs;
 	std::set<std::string> m_defaults, m_decided;
+	std::map<std::pair<std::string, std::string>, bool> m_set;
 };
 
 } // namespace leeway::io::detail

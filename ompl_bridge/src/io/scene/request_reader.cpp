@@ -4,6 +4,7 @@
 #include "leeway/io/limits.hpp"
 #include "leeway/io/path_constraints.hpp"
 #include "scene/pose_goal_reader.hpp"
+#include "scene/scene_diff_reader.hpp"
 
 #include <fmt/format.h>
 
@@ -234,9 +235,20 @@ void readMotion( const YamlNode& root, Request& request, PathConstraints* path, 
 	has_way ? static_cast<void>( path->way = readWay( root ) ) : readGoal( root, request );
 }
 
-SequenceItem readItem( const YamlNode& node, std::size_t index, bool last, const std::string& file )
+/// moveit_msgs/PlanningOptions: the change of the scene. The rest is of the execution.
+SceneDiff readPlanningOptions( const YamlNode& options, const LoadOptions& load, std::vector<Notice>& notices )
 {
-	node.refuseUnknownKeys( { "req", "blend_radius" } );
+	options.refuseUnknownKeys( { "planning_scene_diff", "plan_only", "look_around", "look_around_attempts",
+	    "max_safe_execution_cost", "replan", "replan_attempts", "replan_delay" } );
+	options.noticeUnused(
+	    { "look_around", "look_around_attempts", "max_safe_execution_cost", "replan", "replan_attempts", "replan_delay" },
+	    "a plan is made once, and not executed" );
+	return detail::readSceneDiff( options["planning_scene_diff"], load, notices );
+}
+
+SequenceItem readItem( const YamlNode& node, std::size_t index, bool last, const std::string& file, const LoadOptions& load )
+{
+	node.refuseUnknownKeys( { "req", "blend_radius", "planning_options" } );
 	const YamlNode req = node["req"], blend = node["blend_radius"];
 	if ( !req.defined() )
 	{
@@ -247,6 +259,7 @@ SequenceItem readItem( const YamlNode& node, std::size_t index, bool last, const
 	item.request.file = file;
 	item.request.goal_element = item.element + ".req.goal_constraints[0]";
 	readMotion( req, item.request, &item.path, index );
+	item.scene = readPlanningOptions( node["planning_options"], load, item.request.notices );
 	// Pilz's planners decide on the shape of the motion
 	if ( item.request.planner_id == "LIN" || item.request.planner_id == "CIRC" )
 	{
@@ -262,7 +275,7 @@ SequenceItem readItem( const YamlNode& node, std::size_t index, bool last, const
 }
 
 /// Start and group of the first item, and all items.
-void readSequence( const YamlNode& root, Request& request, PathConstraints& path )
+void readSequence( const YamlNode& root, Request& request, PathConstraints& path, const LoadOptions& load )
 {
 	root.refuseUnknownKeys( { "items" } );
 	const YamlNode items = root["items"];
@@ -274,7 +287,7 @@ void readSequence( const YamlNode& root, Request& request, PathConstraints& path
 	path.file = request.file;
 	for ( std::size_t i = 0; i < items.size(); ++i )
 	{
-		path.items.push_back( readItem( items[i], i, i + 1 == items.size(), request.file ) );
+		path.items.push_back( readItem( items[i], i, i + 1 == items.size(), request.file, load ) );
 		const Request& of_item = path.items.back().request;
 		request.allowed_planning_time += of_item.allowed_planning_time;
 		if ( !of_item.group.empty() && !request.group.empty() && of_item.group != request.group )
@@ -288,7 +301,7 @@ void readSequence( const YamlNode& root, Request& request, PathConstraints& path
 }
 
 /// @param path null: constraints along the path are an error
-Request readRequest( const std::string& file, std::string text, PathConstraints* path )
+Request readRequest( const std::string& file, std::string text, PathConstraints* path, const LoadOptions& load )
 {
 	Request request;
 	request.file = file;
@@ -308,7 +321,7 @@ Request readRequest( const std::string& file, std::string text, PathConstraints*
 	{
 		path == nullptr
 		    ? root["items"].fail( "are a sequence, which this command does not take", "give it to `leeway plan`" )
-		    : readSequence( root, request, *path );
+		    : readSequence( root, request, *path, load );
 		return request;
 	}
 	readMotion( root, request, path, 0 );
@@ -319,17 +332,18 @@ Request readRequest( const std::string& file, std::string text, PathConstraints*
 
 Request loadRequest( const std::string& file )
 {
-	return readRequest( file, readWholeFile( file ), nullptr );
+	return readRequest( file, readWholeFile( file ), nullptr, {} );
 }
 
-Request loadConstrainedRequest( const std::string& file, PathConstraints& path )
+Request loadConstrainedRequest( const std::string& file, PathConstraints& path, const LoadOptions& options )
 {
-	return readRequest( file, readWholeFile( file ), &path );
+	return readRequest( file, readWholeFile( file ), &path, options );
 }
 
-Request parseConstrainedRequest( const std::string& name, const std::string& text, PathConstraints& path )
+Request parseConstrainedRequest(
+    const std::string& name, const std::string& text, PathConstraints& path, const LoadOptions& options )
 {
-	return readRequest( name, text, &path );
+	return readRequest( name, text, &path, options );
 }
 
 } // namespace leeway::io

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // MoveIt planning scenes in YAML (MotionBenchMaker, robowflex, ROS messages as printed), and URDFs as scenes.
-//
-// Poses compose as in MoveIt: frame * object pose * shape pose. An unusable shape is an error and is never left out: an
-// obstacle that silently disappears reads as free space.
 #include "scene/articulation.hpp"
 #include "scene/padding.hpp"
-#include "scene/shape_reader.hpp"
+#include "scene/object_reader.hpp"
 #include "robot/plausibility.hpp"
 #include "base/xml.hpp"
 #include "base/yaml.hpp"
@@ -22,8 +19,8 @@ namespace
 {
 
 using detail::lower;
+using detail::ObjectReader;
 using detail::ShapeLoader;
-using detail::ShapeReader;
 using detail::YamlNode;
 
 class SceneReader
@@ -31,7 +28,7 @@ class SceneReader
 public:
 	SceneReader( std::string content, const LoadOptions& options, SceneModel& scene )
 	    : m_root( YamlNode::parse( scene.file, std::move( content ), scene.report.notices ) ), m_options( options ),
-	      m_shapes( options, scene.report ), m_scene( scene )
+	      m_objects( options, scene.report ), m_scene( scene )
 	{
 	}
 	void read();
@@ -40,20 +37,10 @@ private:
 	void checkTop() const;
 	void readObjects();
 	SceneObject readObject( const YamlNode& node );
-	enum class Kind
-	{
-		primitive,
-		mesh,
-		plane
-	};
-	void readShapes( const YamlNode& object, const char* shapes_key, const char* poses_key, Kind kind, SceneObject& out );
-	PlacedShape readShape( const YamlNode& shape, Kind kind, const std::string& owner );
-	void readOtherShapes( const YamlNode& object, SceneObject& out );
 	void readOctomapMessage();
 	void readArticulations();
 	void readAttached( const YamlNode& state );
 	void readMatrix();
-	void readDefaults( const YamlNode& matrix );
 	void readFixedFrames();
 	void readPadding();
 	void readColours();
@@ -64,7 +51,7 @@ private:
 
 	YamlNode m_root;
 	const LoadOptions& m_options;
-	ShapeReader m_shapes;
+	ObjectReader m_objects;
 	SceneModel& m_scene;
 	std::set<std::string> m_ids;
 };
@@ -94,99 +81,26 @@ void SceneReader::checkTop() const
 	    { "is_diff" }, "objects of the scene that this one changes are not in the file, and not in the world" );
 }
 
-PlacedShape SceneReader::readShape( const YamlNode& shape, Kind kind, const std::string& owner )
+/// @throws Error for an object that is to be removed or moved
+void requireAdd( const YamlNode& object )
 {
-	switch ( kind )
+	if ( detail::readOperation( object ) != detail::Operation::add )
 	{
-	case Kind::primitive:
-		return { m_shapes.primitive( shape, owner ), lw_transform_identity() };
-	case Kind::mesh:
-		return { m_shapes.mesh( shape, owner ), lw_transform_identity() };
-	case Kind::plane:
-		break;
-	}
-	return m_shapes.plane( shape, owner );
-}
-
-void SceneReader::readShapes(
-    const YamlNode& object, const char* shapes_key, const char* poses_key, Kind kind, SceneObject& out )
-{
-	YamlNode shapes = object[shapes_key], poses = object[poses_key], object_pose = object["pose"];
-	std::size_t count = shapes.size();
-	// Only an object that has a pose of its own can leave out those of its shapes
-	bool poses_left_out = poses.size() == 0 && object_pose.defined();
-	if ( poses.size() != count && !poses_left_out )
-	{
-		( poses.defined() ? poses : object )
-		    .fail( fmt::format( "{} has {} {} and {} {}", shapes_key, count, count == 1 ? "entry" : "entries", poses_key,
-		               poses.size() ),
-		        "give one pose for each shape" );
-	}
-	lw_transform frame_from_object = object_pose.defined() ? object_pose.pose() : lw_transform_identity();
-	for ( std::size_t i = 0; i < count; ++i )
-	{
-		lw_transform object_from_shape = poses.size() > 0 ? poses[i].pose() : lw_transform_identity();
-		lw_transform frame_from_shape = lw_transform_multiply( &frame_from_object, &object_from_shape );
-		PlacedShape placed = readShape( shapes[i], kind, out.name );
-		placed.pose = lw_transform_multiply( &frame_from_shape, &placed.pose );
-		out.shapes.push_back( std::move( placed ) );
-	}
-}
-
-/// leeway_shapes: shapes that MoveIt's messages cannot express.
-void SceneReader::readOtherShapes( const YamlNode& object, SceneObject& out )
-{
-	YamlNode shapes = object["leeway_shapes"], object_pose = object["pose"];
-	lw_transform frame_from_object = object_pose.defined() ? object_pose.pose() : lw_transform_identity();
-	for ( std::size_t i = 0; i < shapes.size(); ++i )
-	{
-		YamlNode pose = shapes[i]["pose"];
-		lw_transform object_from_shape = pose.defined() ? pose.pose() : lw_transform_identity();
-		Shape shape = m_shapes.other( shapes[i], out.name );
-		if ( shape ) // else an empty map, which has a notice already
-		{
-			out.shapes.push_back( { std::move( shape ), lw_transform_multiply( &frame_from_object, &object_from_shape ) } );
-		}
+		object["operation"].fail( fmt::format( "operation {} is not supported", lower( object["operation"].text() ) ),
+		    "a scene file only adds objects: use ADD (0)" );
 	}
 }
 
 SceneObject SceneReader::readObject( const YamlNode& unnamed )
 {
-	SceneObject object;
-	object.name = unnamed["id"].text();
-	if ( object.name.empty() )
-	{
-		unnamed["id"].fail( "is empty", "give every object a name" );
-	}
-	YamlNode node = unnamed.named( object.name );
-	if ( !m_ids.insert( object.name ).second )
+	const std::string name = unnamed["id"].text();
+	const YamlNode node = name.empty() ? unnamed : unnamed.named( name );
+	if ( !name.empty() && !m_ids.insert( name ).second )
 	{
 		node.fail( "an object of this id was defined before", "rename or remove one of them" );
 	}
-	node.noticeUnknownKeys( { "id", "header", "pose", "type", "primitives", "primitive_poses", "meshes", "mesh_poses",
-	    "planes", "plane_poses", "subframe_names", "subframe_poses", "operation", "leeway_shapes" } );
-	std::string operation = lower( node["operation"].textOr( "add" ) );
-	if ( operation != "add" && operation != "0" && operation != std::string( 1, '\0' ) )
-	{
-		node["operation"].fail(
-		    fmt::format( "operation {} is not supported", operation ), "a scene file only adds objects: use ADD (0)" );
-	}
-	node.noticeUnused( { "subframe_names", "subframe_poses" }, "subframes are ignored" );
-	object.frame = node.frame();
-	if ( node["pose"].defined() )
-	{
-		object.pose = node["pose"].pose();
-	}
-	readShapes( node, "primitives", "primitive_poses", Kind::primitive, object );
-	readShapes( node, "meshes", "mesh_poses", Kind::mesh, object );
-	readShapes( node, "planes", "plane_poses", Kind::plane, object );
-	readOtherShapes( node, object );
-	// Shapes of leeway may be empty maps
-	if ( object.shapes.empty() && node["leeway_shapes"].size() == 0 )
-	{
-		node.fail( "has no shape", "give it primitives, meshes, planes or leeway_shapes, or remove it" );
-	}
-	return object;
+	requireAdd( node );
+	return m_objects.object( node );
 }
 
 void SceneReader::readObjects()
@@ -227,7 +141,7 @@ void SceneReader::readOctomapMessage()
 	{
 		node.notice( "cells that nobody has seen are free, as in MoveIt; leeway_unknown: occupied makes them obstacles" );
 	}
-	Shape shape = m_shapes.octomapMessage( map, object.name, data, use );
+	Shape shape = m_objects.shapes().octomapMessage( map, object.name, data, use );
 	if ( shape )
 	{
 		object.shapes.push_back( { shape, node["origin"].defined() ? node["origin"].pose() : lw_transform_identity() } );
@@ -293,13 +207,9 @@ void SceneReader::readAttached( const YamlNode& state )
 		std::string id = node["object"]["id"].text();
 		auto in_world = std::find_if(
 		    m_scene.objects.begin(), m_scene.objects.end(), [&]( const SceneObject& object ) { return object.name == id; } );
-		bool bare = true;
-		for ( const char* key : { "primitives", "meshes", "planes", "leeway_shapes" } )
+		if ( in_world != m_scene.objects.end() && detail::isBare( node["object"] ) )
 		{
-			bare = bare && node["object"][key].size() == 0;
-		}
-		if ( in_world != m_scene.objects.end() && bare )
-		{
+			requireAdd( node["object"] );
 			attached.object = *in_world;
 			if ( attached.object.frame.empty() )
 			{
@@ -315,66 +225,12 @@ void SceneReader::readAttached( const YamlNode& state )
 	}
 }
 
-void SceneReader::readDefaults( const YamlNode& matrix )
-{
-	YamlNode names = matrix["default_entry_names"], values = matrix["default_entry_values"];
-	if ( names.size() != values.size() )
-	{
-		matrix.fail( fmt::format( "has {} default_entry_names and {} default_entry_values", names.size(), values.size() ),
-		    "give one value for each name" );
-	}
-	for ( std::size_t i = 0; i < names.size(); ++i )
-	{
-		if ( values[i].boolean() )
-		{
-			m_scene.default_allowed.push_back( names[i].text() );
-		}
-	}
-}
-
 void SceneReader::readMatrix()
 {
-	YamlNode matrix = m_root["allowed_collision_matrix"];
-	matrix.noticeUnknownKeys( { "entry_names", "entry_values", "default_entry_names", "default_entry_values" } );
-	m_scene.matrix_names = matrix["entry_names"].textList();
-	const std::vector<std::string>& names = m_scene.matrix_names;
-	YamlNode rows = matrix["entry_values"];
-	if ( rows.size() != names.size() )
-	{
-		matrix.fail( fmt::format( "has {} entry_names and {} rows of entry_values", names.size(), rows.size() ),
-		    "give one row for each name" );
-	}
-	std::vector<std::vector<bool>> values;
-	for ( std::size_t i = 0; i < rows.size(); ++i )
-	{
-		rows[i].noticeUnknownKeys( { "enabled" } ); // of a map
-		YamlNode row = rows[i].isMap() ? rows[i]["enabled"] : rows[i];
-		if ( row.size() != names.size() )
-		{
-			row.fail(
-			    fmt::format( "has {} values for {} names", row.size(), names.size() ), "give one value for each name" );
-		}
-		values.emplace_back();
-		for ( std::size_t k = 0; k < row.size(); ++k )
-		{
-			values.back().push_back( row[k].boolean() );
-		}
-	}
-	for ( std::size_t i = 0; i < names.size(); ++i )
-	{
-		for ( std::size_t k = i + 1; k < names.size(); ++k )
-		{
-			if ( values[i][k] != values[k][i] )
-			{
-				rows.notice( fmt::format( "the matrix is not symmetric for {} and {}: not allowed", names[i], names[k] ) );
-			}
-			else if ( values[i][k] )
-			{
-				m_scene.allowed.emplace_back( names[i], names[k] );
-			}
-		}
-	}
-	readDefaults( matrix );
+	ContactMatrix matrix = detail::readContactMatrix( m_root["allowed_collision_matrix"] );
+	m_scene.allowed = std::move( matrix.allowed );
+	m_scene.default_allowed = std::move( matrix.default_allowed );
+	m_scene.matrix_names = std::move( matrix.names );
 }
 
 void SceneReader::readFixedFrames()

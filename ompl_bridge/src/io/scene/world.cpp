@@ -49,7 +49,13 @@ std::vector<const lw_shape*> shapesOf( const Body& body )
 
 struct World::State
 {
-	State( const RobotModel& robot, const ProblemOptions& options );
+	State( const RobotModel& robot, const ProblemOptions& options, Problem built );
+	/// @param other stays as it is while this is made
+	State( const State& other )
+	    : file( other.file ), allowed( other.allowed ), disabled( other.disabled ), margins( other.margins ),
+	      bodies( other.bodies ), problem( other.problem )
+	{
+	}
 
 	/// Throws an Error about an object unless the core is content.
 	void require( lw_status status, const lw_diag& diag, const std::string& object, const char* remedy ) const;
@@ -63,6 +69,8 @@ struct World::State
 	Scene edited( const std::vector<lw_scene_change>& changes, const std::string& object ) const;
 	Checker nextIn( Scene scene, Robot robot, const std::string& object, const std::map<std::string, Body>& bodies );
 	Checker attach( const std::string& object, Body next_body );
+	/// @throws Error if links of the robot, or attached objects and links, would have other contacts
+	void requireSameLinks( const detail::AllowedNames& next_allowed, const ContactMatrix& matrix ) const;
 	lw_transform worldFromLink( const std::string& link, const std::vector<double>& state ) const;
 	std::vector<lw_link_object_pair> allowedPairs(
 	    const Problem& next_problem, const std::map<std::string, Body>& next_bodies ) const;
@@ -71,13 +79,14 @@ struct World::State
 
 	std::string file;
 	detail::AllowedNames allowed;
+	std::set<std::pair<std::string, std::string>> disabled; ///< links whose contact the SRDF allows
 	Margins margins;
 	std::map<std::string, Body> bodies;
 	std::shared_ptr<const Problem> problem;
 	mutable std::mutex mutex;
 };
 
-World::State::State( const RobotModel& robot, const ProblemOptions& options )
+World::State::State( const RobotModel& robot, const ProblemOptions& options, Problem of_options )
     : file( options.scene != nullptr ? options.scene->file : robot.urdf_file ), allowed( options.scene ),
       margins( options.margins )
 {
@@ -85,7 +94,11 @@ World::State::State( const RobotModel& robot, const ProblemOptions& options )
 	{
 		allowed.set( a, b, true );
 	}
-	auto built = std::make_shared<Problem>( buildProblem( robot, options ) );
+	for ( const DisabledPair& pair : robot.disabled )
+	{
+		disabled.insert( std::minmax( pair.link1, pair.link2 ) );
+	}
+	auto built = std::make_shared<Problem>( std::move( of_options ) );
 	if ( !built->scene )
 	{
 		const lw_scene_def def = lw_scene_def_default();
@@ -338,8 +351,20 @@ Checker World::State::attach( const std::string& object, Body next_body )
 
 // ---- changes
 
-World::World( const RobotModel& robot, const ProblemOptions& options ) : m_state( std::make_unique<State>( robot, options ) )
+World::World( const RobotModel& robot, const ProblemOptions& options )
+    : m_state( std::make_unique<State>( robot, options, buildProblem( robot, options ) ) )
 {
+}
+
+World::World( const RobotModel& robot, const ProblemOptions& options, const Problem& problem )
+    : m_state( std::make_unique<State>( robot, options, problem ) )
+{
+}
+
+World::World( const World& other )
+{
+	const std::lock_guard<std::mutex> lock( other.m_state->mutex );
+	m_state = std::make_unique<State>( *other.m_state );
 }
 
 World::~World() = default;
@@ -521,6 +546,59 @@ Checker World::allow( const std::string& link, const std::string& object, bool a
 	try
 	{
 		return m_state->next( {}, m_state->problem->robot, object, m_state->bodies );
+	}
+	catch ( ... )
+	{
+		m_state->allowed = before;
+		throw;
+	}
+}
+
+std::string World::holder( const std::string& object ) const
+{
+	const std::lock_guard<std::mutex> lock( m_state->mutex );
+	return m_state->body( object ).link;
+}
+
+void World::State::requireSameLinks( const detail::AllowedNames& next_allowed, const ContactMatrix& matrix ) const
+{
+	const lw_robot* robot = problem->robot.get();
+	const auto touches = [&]( const std::string& object, const std::string& link )
+	{
+		const auto held = bodies.find( object );
+		return held != bodies.end() && ( held->second.link == link || held->second.touch_links.count( link ) != 0 );
+	};
+	for ( std::uint32_t i = 0; i < lw_robot_link_count( robot ); ++i )
+	{
+		for ( std::uint32_t k = 0; k < i; ++k )
+		{
+			const std::string a = lw_robot_link_name( robot, k ), b = lw_robot_link_name( robot, i );
+			const bool held = lw_robot_is_attached( robot, i );
+			const bool stays =
+			    disabled.count( std::minmax( a, b ) ) != 0 || ( held && ( touches( b, a ) || touches( a, b ) ) );
+			if ( !stays && allowed.allows( a, b ) != next_allowed.allows( a, b ) )
+			{
+				throw Error( file, matrix.element,
+				    fmt::format( "would {} the contact of {} and {}, {}", next_allowed.allows( a, b ) ? "allow" : "forbid",
+				        a, b, held ? "which is attached" : "two links of the robot" ),
+				    held ? "release the object, and attach it again with its touch_links"
+				         : "give this pair as the scene's matrix has it" );
+			}
+		}
+	}
+}
+
+Checker World::setContacts( const ContactMatrix& matrix )
+{
+	const std::lock_guard<std::mutex> lock( m_state->mutex );
+	const detail::AllowedNames before = m_state->allowed;
+	detail::AllowedNames after = before;
+	after.setMatrix( matrix );
+	m_state->requireSameLinks( after, matrix );
+	m_state->allowed = std::move( after );
+	try
+	{
+		return m_state->next( {}, m_state->problem->robot, "", m_state->bodies );
 	}
 	catch ( ... )
 	{
