@@ -37,9 +37,10 @@ DrivenPlan::DrivenPlan( const PlanOptions& options )
 }
 
 const std::vector<Segment>& DrivenPlan::drive( const io::Problem& problem, const Input& input,
-    const std::vector<Segment>& segments, const JointLimits& limits, const std::string& name )
+    const std::vector<Segment>& segments, const JointLimits& limits, const std::string& name, const Chapters& chapters )
 {
-	const TrajectoryFile file = endsOf( problem, segments );
+	const TrajectoryFile file =
+	    segments.empty() ? standingAt( problem, io::startState( problem ) ) : endsOf( problem, segments );
 	TrajectorySettings settings;
 	settings.edge.min_d = m_options.common.min_d;
 	settings.edge.flags = m_options.common.checkFlags();
@@ -47,21 +48,24 @@ const std::vector<Segment>& DrivenPlan::drive( const io::Problem& problem, const
 	settings.limits = limits;
 	m_name = name;
 	m_segments = segmentsOf( problem, file, Interpolation::automatic, 0 );
-	const TrajectoryAudit audit = auditTrajectory( problem, input.robot, name, m_segments, settings );
+	const std::shared_ptr<const io::Problem> only( std::shared_ptr<const io::Problem>(), &problem ); // the caller's
+	m_chapters = chapters ? chapters( m_segments ) : std::vector<sequence::Chapter>{ { only, 0, 1, m_segments } };
+	const TrajectoryAudit audit = sequence::auditChapters( input.robot, m_chapters, name, settings );
 	m_timed.text = robotTrajectory( file );
 	m_told = motions::describe( audit );
 	m_proved = audit.valid();
 	return m_segments;
 }
 
-PageInput DrivenPlan::page( const io::Problem& problem, const Input& input, std::vector<std::string> notes ) const
+PageInput DrivenPlan::page( const io::Problem& problem, const std::vector<Segment>& segments, const Input& input,
+    std::vector<std::string> notes ) const
 {
 	const lw_check_flags flags = m_options.common.checkFlags();
 	Progress progress( "measuring the motion" );
 	const Measuring how = { problem, flags, m_options.common.min_d, m_options.common.request, shownBy( progress ) };
-	ViewMotion motion = m_segments.empty()
+	ViewMotion motion = segments.empty()
 	                        ? motionOfStates( problem, { io::startState( problem ) }, {}, flags, m_options.common.request )
-	                        : motionOfTrajectory( how, m_segments );
+	                        : motionOfTrajectory( how, segments );
 	PageInput page = pageOf( input, problem, std::move( motion ), flags );
 	page.min_d = m_options.common.min_d;
 	page.source = m_options.trajectory;
@@ -69,8 +73,27 @@ PageInput DrivenPlan::page( const io::Problem& problem, const Input& input, std:
 	return page;
 }
 
+std::vector<PageInput> DrivenPlan::pages(
+    const io::Problem& problem, const Input& input, const std::vector<std::string>& notes ) const
+{
+	std::vector<PageInput> pages;
+	if ( m_chapters.empty() )
+	{
+		pages.push_back( page( problem, {}, input, notes ) );
+	}
+	for ( const sequence::Chapter& chapter : m_chapters )
+	{
+		pages.push_back( page( *chapter.problem, chapter.segments, input, notes ) );
+		pages.back().chapter = m_chapters.size() == 1 ? ""
+		                       : chapter.legs == 1
+		                           ? fmt::format( "leg {}", chapter.leg + 1 )
+		                           : fmt::format( "legs {} to {}", chapter.leg + 1, chapter.leg + chapter.legs );
+	}
+	return pages;
+}
+
 int DrivenPlan::finish( const io::Problem& problem, const Input& input, bool good, const std::string& text,
-    std::string report, const std::string& unproved, std::vector<std::string> notes )
+    std::string report, const std::string& unproved, const std::vector<std::string>& notes )
 {
 	std::vector<OutputFile*> files;
 	bool is_certified = true;
@@ -93,7 +116,7 @@ int DrivenPlan::finish( const io::Problem& problem, const Input& input, bool goo
 	}
 	if ( m_view.isWanted() )
 	{
-		m_view.write( page( problem, input, std::move( notes ) ), files );
+		m_view.write( pages( problem, input, notes ), files );
 	}
 	commitTogether( files );
 	const std::string& certified = m_certificate.told();

@@ -7,6 +7,9 @@
 
 #include "leeway/manifold/plan.hpp"
 #include "leeway/motions/timed.hpp"
+#include "leeway/sequence/sequence.hpp"
+
+#include <functional>
 
 namespace leeway::cli
 {
@@ -18,6 +21,9 @@ motions::MotionSettings settingsOf( const PlanOptions& options, const Input& inp
 manifold::Settings requestSettingsOf( const PlanOptions& options, const Input& input, const io::Problem& problem,
     const JointLimits& limits, Notices& notices );
 
+/// The scenes of a motion as it is driven.
+using Chapters = std::function<std::vector<sequence::Chapter>( const std::vector<Segment>& driven )>;
+
 /// Results of plan --line and of plans with constraints. Files are opened at once.
 class DrivenPlan
 {
@@ -26,9 +32,13 @@ public:
 	explicit DrivenPlan( const PlanOptions& options );
 	/// Makes the trajectory, and proves clearances and limits of the segments that its reader drives.
 	/// @param limits of the joints, in place of those of the robot
-	/// @param name of the motion, for errors @return these segments
+	/// @param segments none: the motion is the start state of the problem
+	/// @param name of the motion, for errors @param chapters empty: all is driven in the scene of the problem
+	/// @return these segments
 	const std::vector<Segment>& drive( const io::Problem& problem, const Input& input, const std::vector<Segment>& segments,
-	    const JointLimits& limits, const std::string& name );
+	    const JointLimits& limits, const std::string& name, const Chapters& chapters = {} );
+	/// Of the last drive: one, or those of the scenes.
+	const std::vector<sequence::Chapter>& chapters() const { return m_chapters; }
 	/// The last drive was proved.
 	bool isProved() const { return m_proved; }
 	/// Writes all files together, and tells.
@@ -37,18 +47,22 @@ public:
 	/// @param notes sentences for the page
 	/// @return exit status
 	int finish( const io::Problem& problem, const Input& input, bool good, const std::string& text, std::string report,
-	    const std::string& unproved, std::vector<std::string> notes );
+	    const std::string& unproved, const std::vector<std::string>& notes );
 	/// Lines for people about the last drive.
 	const std::string& told() const { return m_told; }
 
 private:
-	PageInput page( const io::Problem& problem, const Input& input, std::vector<std::string> notes ) const;
+	PageInput page( const io::Problem& problem, const std::vector<Segment>& segments, const Input& input,
+	    std::vector<std::string> notes ) const;
+	std::vector<PageInput> pages(
+	    const io::Problem& problem, const Input& input, const std::vector<std::string>& notes ) const;
 
 	const PlanOptions& m_options;
 	OutputFile m_timed, m_report;
 	CertificateFile m_certificate;
 	ViewFile m_view;
 	std::vector<Segment> m_segments;
+	std::vector<sequence::Chapter> m_chapters;
 	std::string m_name, m_told;
 	bool m_proved = false;
 };

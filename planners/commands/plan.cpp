@@ -557,6 +557,7 @@ ik::GoalStates solvePoses( const PlanOptions& options, const Input& input, const
 	settings.seed = options.seed;
 	settings.min_d = options.common.min_d;
 	settings.flags = options.common.checkFlags();
+	settings.states = options.goal_states > 0 ? options.goal_states : settings.states;
 	ik::GoalStates goals = ik::findGoalStates( input.robot, bench.problem(), *input.request, settings );
 	if ( goals.states.empty() )
 	{
@@ -697,7 +698,9 @@ Audit auditSolution(
 std::optional<int> runAlongPath( const PlanOptions& options )
 {
 	io::PathConstraints path;
-	options.common.request.empty() ? io::Request() : io::loadConstrainedRequest( options.common.request, path );
+	options.common.request.empty()
+	    ? io::Request()
+	    : io::loadConstrainedRequest( options.common.request, path, loadOptionsOf( options.common ) );
 	const bool plain = path.items.empty() && !path.way && path.empty();
 	return plain                 ? std::optional<int>()
 	       : !path.items.empty() ? runSequence( options )

@@ -48,7 +48,8 @@ manifold::Task taskOf( const PlanOptions& options, const Input& input, const Wor
 	task.start = io::startState( bench.problem() );
 	task.mend_start = options.mend_start;
 	requireUsable( options, bench, ends.start, task.start );
-	task.goals = manifold::constrainedGoals( input.robot, bench.problem(), *input.request, path, edge, options.seed );
+	task.goals = manifold::constrainedGoals( input.robot, bench.problem(), *input.request, path, edge, options.seed,
+	    options.goal_states > 0 ? options.goal_states : 8 );
 	if ( !input.request->hasPoseGoal() )
 	{
 		requireUsable( options, bench, ends.goal, task.goals.front() );

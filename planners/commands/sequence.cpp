@@ -43,6 +43,19 @@ void refuseSingle( const PlanOptions& options )
 	requireLineNumbers( options.line );
 }
 
+/// A certificate is of one scene.
+void refuseCertificate( const PlanOptions& options, const io::PathConstraints& path )
+{
+	for ( const io::SequenceItem& item : path.items )
+	{
+		if ( !options.certificate.empty() && !item.scene.empty() )
+		{
+			refuseOption( "--certificate", "is of one scene, and " + item.element + " changes the scene",
+			    "leave it out: the program proves each leg in its scene" );
+		}
+	}
+}
+
 /// The proofs of each leg's constraints, in the report and in words. @return true: all are kept
 bool tell( const std::vector<std::vector<ConstraintProof>>& legs, Json& json, std::string& text )
 {
@@ -64,7 +77,7 @@ bool tell( const std::vector<std::vector<ConstraintProof>>& legs, Json& json, st
 	return kept;
 }
 
-Json reportOf( const sequence::Result& plan )
+Json reportOf( const sequence::Result& plan, const std::vector<sequence::Leg>& legs )
 {
 	Json json = { { "solved", plan.solved }, { "seconds", plan.plan_seconds } };
 	if ( !plan.solved )
@@ -76,9 +89,14 @@ Json reportOf( const sequence::Result& plan )
 		return json;
 	}
 	json["duration"] = plan.legs.back().begin + plan.legs.back().seconds;
-	for ( const sequence::Motion& leg : plan.legs )
+	for ( std::size_t i = 0; i < plan.legs.size(); ++i )
 	{
+		const sequence::Motion& leg = plan.legs[i];
 		Json one = { { "begin", leg.begin }, { "seconds", leg.seconds }, { "cubics", leg.count } };
+		for ( const std::string& change : sequence::changesOf( legs[i].scene ) )
+		{
+			one["scene"].push_back( change );
+		}
 		if ( leg.is_line )
 		{
 			one["position_error"] = leg.position_error;
@@ -104,6 +122,7 @@ int runSequence( const PlanOptions& options )
 	DrivenPlan driven( options );
 	io::PathConstraints path;
 	Input input = loadInput( options.common, notices, &path );
+	refuseCertificate( options, path );
 	for ( const io::SequenceItem& item : path.items )
 	{
 		notices.add( "the request", item.request.notices );
@@ -113,12 +132,17 @@ int runSequence( const PlanOptions& options )
 	const PlanEnds ends = readEnds( options, input );
 	const Workbench bench( input, ends.group, {}, notices );
 	const io::Problem& problem = bench.problem();
-	requireUsable( options, bench, ends.start, io::startState( problem ) );
-	const sequence::Settings settings{ requestSettingsOf( options, input, problem, limits, notices ) };
-	const std::vector<sequence::Leg> legs = sequence::legsOf( problem, path, commonTask( options.line ) );
-	const sequence::Result plan = sequence::planSequence( input.robot, problem, legs, settings );
-	Json report = reportOf( plan );
-	std::string text = sequence::describe( plan );
+	if ( path.items.front().scene.empty() ) // else it has to be free in the changed scene
+	{
+		requireUsable( options, bench, ends.start, io::startState( problem ) );
+	}
+	sequence::Settings settings{ requestSettingsOf( options, input, problem, limits, notices ) };
+	settings.states = options.goal_states > 0 ? options.goal_states : settings.states;
+	const std::vector<sequence::Leg> legs = sequence::legsOf( path, commonTask( options.line ) );
+	const io::World world( input.robot, problemOptions( input, ends.group, {} ), problem );
+	const sequence::Result plan = sequence::planSequence( input.robot, world, legs, settings );
+	Json report = reportOf( plan, legs );
+	std::string text = sequence::describe( plan, legs );
 	std::vector<std::string> notes;
 	std::istringstream lines( text );
 	for ( std::string line; std::getline( lines, line ); )
@@ -128,9 +152,12 @@ int runSequence( const PlanOptions& options )
 	bool good = plan.solved;
 	if ( plan.solved )
 	{
-		const std::vector<Segment>& segments = driven.drive( problem, input, plan.segments, limits, "the sequence" );
+		const Chapters chapters = [&]( const std::vector<Segment>& segments )
+		{ return sequence::chaptersOf( world, legs, plan, segments ); };
+		const std::vector<Segment>& segments =
+		    driven.drive( problem, input, plan.segments, limits, "the sequence", chapters );
 		std::string proofs;
-		good = tell( sequence::proveLegs( problem, path, plan, segments ), report, proofs ) && driven.isProved();
+		good = tell( sequence::proveLegs( driven.chapters(), path, plan, segments ), report, proofs ) && driven.isProved();
 		text += driven.told() + proofs;
 	}
 	report["good"] = good;

@@ -319,8 +319,9 @@ int runTrajectoryAudit( const AuditOptions& options )
 	const Input input = loadInput( options.common, notices, &path );
 	if ( !path.items.empty() )
 	{
-		throw io::Error( path.file, "items", "are a sequence, and no trajectory says where its motions begin",
-		    "give the request of one motion" );
+		throw io::Error( path.file, "items",
+		    "are a sequence, and no trajectory says where its motions begin and the scene changes",
+		    "give its motions by --steps, or the request of one motion" );
 	}
 	note( settings.limits, options.joint_limits, input.robot, notices );
 	settings.edge.min_d = options.common.min_d;

@@ -17,7 +17,8 @@ constexpr double profile_step = 0.01;          // seconds
 constexpr std::size_t most_samples = 1u << 17; // of a profile
 constexpr double gap_tolerance = 1e-3;         // radians or metres between the end of a trajectory and the start of the next
 
-/// Adds the audit of a trajectory that is driven after those before.
+} // namespace
+
 void append( TrajectoryAudit& whole, const TrajectoryAudit& next )
 {
 	const bool first = whole.segments == 0, was_free = whole.violation.verdict == LW_VERDICT_FREE;
@@ -36,8 +37,6 @@ void append( TrajectoryAudit& whole, const TrajectoryAudit& next )
 	whole.proof_seconds += next.proof_seconds;
 	whole.states += next.states;
 }
-
-} // namespace
 
 /// Empty: nothing is known.
 std::vector<Drive::Place> Drive::placesOf( const TrajectoryFile& file, const std::string& name ) const

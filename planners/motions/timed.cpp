@@ -321,6 +321,17 @@ TrajectoryFile endsOf( const io::Problem& problem, const std::vector<Segment>& s
 	return out;
 }
 
+TrajectoryFile standingAt( const io::Problem& problem, const std::vector<double>& state )
+{
+	TrajectoryFile out;
+	out.file = "the path";
+	out.joint_names = problem.variable_names;
+	out.points.resize( 1 );
+	out.points.front().positions = state;
+	out.points.front().velocities.assign( state.size(), 0 );
+	return out;
+}
+
 std::string robotTrajectory( const TrajectoryFile& trajectory )
 {
 	Json points = Json::array();

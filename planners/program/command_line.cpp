@@ -192,6 +192,10 @@ CLI::App* addPlan( CLI::App& app, PlanOptions& options )
 	        "--goal-pose", options.goal_poses, "LINK=X,Y,Z or LINK=X,Y,Z,QX,QY,QZ,QW in the planning frame; repeatable" )
 	    ->type_name( "POSE" )
 	    ->allow_extra_args( false );
+	rare( command
+	          ->add_option( "--goal-states", options.goal_states,
+	              "states that reach a goal of poses, at most (default 8, of the items of a sequence 16)" )
+	          ->type_name( "N" ) );
 	command
 	    ->add_option( "--start", options.start,
 	        "joint=value,..., a group_state, or random; other joints have the request's value, else 0" )

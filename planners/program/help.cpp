@@ -174,7 +174,7 @@ each search, --report its answer as JSON, --out a folder of trajectories.
 
 A goal may also be poses of links: --goal-pose hand=0.4,0.1,0.5,0,1,0,0 (x, y, z, quaternion; without the quaternion any
 orientation), or position_constraints and orientation_constraints of the request, alone or with joint_constraints. Inverse
-kinematics finds up to eight free states that reach it, by --seed, and the planner goes to any of them. --goal-pose keeps within
+kinematics finds up to eight free states that reach it (--goal-states), by --seed, and the planner goes to any of them. --goal-pose keeps within
 0.1 mm of the place and 0.001 rad of the orientation; a request has tolerances of its own.
 
 --line LINK=POSE takes the link's frame, or that of --line-tip, straight from where it starts to the pose, then to the next --line; without a

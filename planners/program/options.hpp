@@ -140,9 +140,10 @@ struct PlanOptions
 	std::string planner;                 ///< empty: Leeway, and SBL for the second half of the time
 	std::string out, report, trajectory, joint_limits, certificate, view;
 	double path_tolerance = HUGE_VAL;
-	double time = 0;           ///< seconds; 0 = the request's allowed_planning_time, else 60
-	double optimize = 0;       ///< seconds for shorter paths after the first
-	double clearance_goal = 0; ///< metres above min_d, up to which the path is pushed away; 0: no
+	double time = 0;               ///< seconds; 0 = the request's allowed_planning_time, else 60
+	double optimize = 0;           ///< seconds for shorter paths after the first
+	double clearance_goal = 0;     ///< metres above min_d, up to which the path is pushed away; 0: no
+	std::uint32_t goal_states = 0; ///< of a pose, at most; 0: 8, of the items of a sequence 16
 	std::uint32_t seed = 1;
 	std::uint32_t threads = 0;           ///< of the planner; 0 = its own choice
 	std::vector<std::string> parameters; ///< of the planner, NAME=VALUE

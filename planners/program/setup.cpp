@@ -37,6 +37,17 @@ void readsShapes( const std::string& option, const io::LoadReport& report )
 	}
 }
 
+/// Files of the objects that a sequence brings.
+void readsItems( const io::PathConstraints& path )
+{
+	io::LoadReport report;
+	for ( const io::SequenceItem& item : path.items )
+	{
+		report.shapes.insert( report.shapes.end(), item.scene.shapes.begin(), item.scene.shapes.end() );
+	}
+	readsShapes( "--request", report );
+}
+
 // Of --allow. Names may have colons of their own: the pair is cut where both halves are known.
 std::vector<std::pair<std::string, std::string>> allowedPairs( const std::vector<std::string>& given, const Input& input )
 {
@@ -182,7 +193,7 @@ void readWorld( const CommonOptions& options, io::LoadOptions load, Input& input
 
 } // namespace
 
-Input loadInput( const CommonOptions& options, Notices& notices, io::PathConstraints* path )
+io::LoadOptions loadOptionsOf( const CommonOptions& options )
 {
 	io::LoadOptions load;
 	checkPackagePaths( options.package_paths );
@@ -192,6 +203,12 @@ Input loadInput( const CommonOptions& options, Notices& notices, io::PathConstra
 	load.strict = options.strict || options.all_pairs;
 	load.detail = 1e-3 * options.detail;
 	load.cache_limit = static_cast<std::uint64_t>( options.cache_limit * 1e6 );
+	return load;
+}
+
+Input loadInput( const CommonOptions& options, Notices& notices, io::PathConstraints* path )
+{
+	const io::LoadOptions load = loadOptionsOf( options );
 	readsNamed( options );
 	Input input;
 	if ( !options.cache.empty() )
@@ -216,9 +233,10 @@ Input loadInput( const CommonOptions& options, Notices& notices, io::PathConstra
 	input.request_file = options.request;
 	if ( !options.request.empty() )
 	{
-		input.request =
-		    path != nullptr ? io::loadConstrainedRequest( options.request, *path ) : io::loadRequest( options.request );
+		input.request = path != nullptr ? io::loadConstrainedRequest( options.request, *path, load )
+		                                : io::loadRequest( options.request );
 		notices.add( "the request", input.request->notices );
+		path != nullptr ? readsItems( *path ) : void();
 	}
 	if ( !options.cell.empty() )
 	{

@@ -41,6 +41,9 @@ struct Input
 /// needs no more clearance than this. Where it needs more, it is asked for.
 constexpr double planning_horizon = 0.25;
 
+/// Options of the readers of files. @throws io::Error for a folder of --package-path that is not there
+io::LoadOptions loadOptionsOf( const CommonOptions& options );
+
 /// Reads robot, scene and request, with progress, and passes their notices on.
 /// @param path constraints along the path of the request; null: they are an error
 /// @throws io::Error

@@ -7,7 +7,24 @@
 namespace leeway::sequence
 {
 
-std::string describe( const Result& result )
+std::vector<std::string> changesOf( const io::SceneDiff& scene )
+{
+	const std::vector<const char*> verbs = { "attach", "release", "add", "remove", "move" }; // as io::SceneEdit::Kind
+	std::vector<std::string> changes;
+	if ( scene.matrix )
+	{
+		changes.push_back( "replace the allowed collision matrix" );
+	}
+	for ( const io::SceneEdit& edit : scene.edits )
+	{
+		const bool attaches = edit.kind == io::SceneEdit::Kind::attach;
+		changes.push_back( fmt::format( "{} {}{}", verbs.at( static_cast<std::size_t>( edit.kind ) ), edit.object.name,
+		    attaches ? " to " + edit.link : "" ) );
+	}
+	return changes;
+}
+
+std::string describe( const Result& result, const std::vector<Leg>& legs )
 {
 	if ( !result.solved )
 	{
@@ -21,6 +38,10 @@ std::string describe( const Result& result )
 	for ( std::size_t i = 0; i < result.legs.size(); ++i )
 	{
 		const Motion& leg = result.legs[i];
+		for ( const std::string& change : i < legs.size() ? changesOf( legs[i].scene ) : std::vector<std::string>() )
+		{
+			text += fmt::format( "leg {}: begins with: {}\n", i + 1, change );
+		}
 		text += fmt::format( "leg {}: {:.3f} to {:.3f} s, {}\n", i + 1, leg.begin, leg.begin + leg.seconds,
 		    leg.is_line ? fmt::format( "a line: each coordinate proved within {:.4f} mm, the angle within {:.4f} degrees",
 		                      1000 * leg.position_error, leg.angle_error * 180 / M_PI )

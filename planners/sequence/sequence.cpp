@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Depth first over the goals of the legs. Lines depend on the state where they start alone, so they decide on goals before motions to these are searched.
+// Depth first over the goals of the legs. Lines depend on the state where they start and on the scene alone, so they decide on goals before motions to
+// these are searched. A change of the scene depends on the state in which it happens: each branch has its own scenes, which share what did not change.
 #include "leeway/sequence/sequence.hpp"
 
 #include <fmt/format.h>
@@ -7,6 +8,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
+#include <tuple>
 
 namespace leeway::sequence
 {
@@ -18,20 +21,28 @@ using State = std::vector<double>;
 constexpr double least_share = 0.01; // of the time: with less left no further goal is tried
 constexpr std::size_t attempts_from_start = 5;
 
+/// The scene of a leg, and the world that the next change begins with.
+struct Scene
+{
+	std::shared_ptr<const io::World> world; ///< empty if no leg changes the scene
+	std::shared_ptr<const io::Problem> problem;
+	std::string blocked; ///< the leg cannot begin in it: a sentence; empty: it can
+};
+
 /// Legs that are planned as one: a motion to a goal, or lines with blends between them.
 struct Unit
 {
 	std::size_t first = 0, count = 1; ///< legs
-	std::optional<lines::Task> line;
-	std::vector<std::size_t> leg_of; ///< of each part of the line
-	bool has_goals = false;          ///< `goals` are known
-	std::vector<State> goals;        ///< from which the lines behind are found
+	bool is_line = false;
+	std::vector<std::size_t> leg_of;                    ///< of each part of the line
+	std::map<const Scene*, std::vector<State>> goals{}; ///< found so far: from which the lines behind are found
 };
 
 /// A planned unit, with times from 0.
 struct Step
 {
 	std::size_t unit = 0;
+	const Scene* scene = nullptr; ///< in which it is driven
 	std::vector<motions::Segment> segments;
 	State end;
 	lines::Result line; ///< of lines
@@ -63,13 +74,54 @@ bool goTogether( const lines::Task& a, const lines::Task& b )
 	       a.speed == b.speed;
 }
 
+bool isLine( const Leg& leg )
+{
+	return leg.line || leg.way;
+}
+
+const io::PathConstraints& constraintsOf( const Leg& leg )
+{
+	return leg.line ? leg.line->path : leg.way ? leg.way->with.path : leg.path;
+}
+
+std::size_t partsOf( const Leg& leg )
+{
+	return leg.line ? leg.line->waypoints.size() : leg.way ? leg.way->way.poses.size() : 0;
+}
+
+lines::Task lineOf( const Leg& leg, const io::Problem& problem )
+{
+	return leg.line ? *leg.line : lines::taskOf( problem, leg.way->way, leg.way->with, leg.way->file, leg.way->element );
+}
+
+void checkBlend( const std::vector<Leg>& legs, std::size_t i )
+{
+	const std::string name = nameOf( legs, i );
+	if ( i + 1 == legs.size() || !isLine( legs[i] ) || !isLine( legs[i + 1] ) )
+	{
+		wrong( name, "has a blend, and is not a line before another line",
+		    "give 0: the robot rests where a motion to a goal begins or ends" );
+	}
+	if ( !legs[i + 1].scene.empty() )
+	{
+		wrong( name, "has a blend, and the scene changes before the next line",
+		    "give 0: the robot rests where the scene changes" );
+	}
+	if ( !( constraintsOf( legs[i] ).empty() && constraintsOf( legs[i + 1] ).empty() ) )
+	{
+		wrong( name, "has a blend, and one of its lines has path_constraints", "give 0, or remove them" );
+	}
+}
+
 void check( const std::vector<Leg>& legs )
 {
 	for ( std::size_t i = 0; i < legs.size(); ++i )
 	{
 		const Leg& leg = legs[i];
 		const std::string name = nameOf( legs, i );
-		if ( int( !leg.goals.empty() ) + int( leg.request.has_value() ) + int( leg.line.has_value() ) != 1 )
+		if ( int( !leg.goals.empty() ) + int( leg.request.has_value() ) + int( leg.line.has_value() ) +
+		         int( leg.way.has_value() ) !=
+		     1 )
 		{
 			wrong( name, "has no goal and no line, or several", "give goals, or a request, or a line" );
 		}
@@ -77,7 +129,7 @@ void check( const std::vector<Leg>& legs )
 		{
 			wrong( name, "is a line with a start of its own", "leave it out: it starts where the leg before ends" );
 		}
-		if ( leg.line && !leg.path.empty() )
+		if ( isLine( leg ) && !leg.path.empty() )
 		{
 			wrong( name, "is a line with constraints of a motion to a goal", "give them to lines::Task::path" );
 		}
@@ -85,20 +137,7 @@ void check( const std::vector<Leg>& legs )
 		{
 			wrong( name, "has a blend that is no radius", "give metres, 0 or more" );
 		}
-		if ( leg.blend > 0 && ( i + 1 == legs.size() || !leg.line || !legs[i + 1].line ) )
-		{
-			wrong( name, "has a blend, and is not a line before another line",
-			    "give 0: the robot rests where a motion to a goal begins or ends" );
-		}
-		if ( leg.blend > 0 && !( leg.line->path.empty() && legs[i + 1].line->path.empty() ) )
-		{
-			wrong( name, "has a blend, and one of its lines has path_constraints", "give 0, or remove them" );
-		}
-		if ( leg.blend > 0 && !goTogether( *leg.line, *legs[i + 1].line ) )
-		{
-			wrong( name, "has a blend, and the next line is of another frame, speed or tolerance",
-			    "give 0, or lines of one link in one frame" );
-		}
+		leg.blend > 0 ? checkBlend( legs, i ) : void();
 	}
 	legs.empty() ? wrong( "legs", "there is none", "give one motion or more" ) : void();
 }
@@ -108,38 +147,65 @@ std::vector<Unit> unitsOf( const std::vector<Leg>& legs )
 	std::vector<Unit> units;
 	for ( std::size_t i = 0; i < legs.size(); ++i )
 	{
-		const bool goes_on = i > 0 && legs[i - 1].blend > 0;
-		if ( !goes_on )
+		if ( i == 0 || !( legs[i - 1].blend > 0 ) )
 		{
-			units.push_back( { i, 0, {}, {}, false, {} } );
+			units.push_back( { i, 0, isLine( legs[i] ), {} } );
 		}
-		Unit& unit = units.back();
-		++unit.count;
-		if ( !legs[i].line )
-		{
-			continue;
-		}
-		const std::vector<lines::Waypoint>& waypoints = legs[i].line->waypoints;
-		unit.leg_of.insert( unit.leg_of.end(), waypoints.size(), i );
-		if ( !goes_on )
-		{
-			unit.line = legs[i].line;
-			continue;
-		}
-		unit.line->waypoints.back().blend = legs[i - 1].blend;
-		unit.line->waypoints.insert( unit.line->waypoints.end(), waypoints.begin(), waypoints.end() );
+		++units.back().count;
+		units.back().leg_of.insert( units.back().leg_of.end(), partsOf( legs[i] ), i );
 	}
 	return units;
+}
+
+/// The line of a unit, with blends between its legs.
+lines::Task lineOf( const std::vector<Leg>& legs, const Unit& unit, const io::Problem& problem )
+{
+	lines::Task task = lineOf( legs[unit.first], problem );
+	for ( std::size_t i = unit.first + 1; i < unit.first + unit.count; ++i )
+	{
+		const lines::Task next = lineOf( legs[i], problem );
+		if ( !goTogether( task, next ) )
+		{
+			wrong( nameOf( legs, i - 1 ), "has a blend, and the next line is of another frame, speed or tolerance",
+			    "give 0, or lines of one link in one frame" );
+		}
+		task.waypoints.back().blend = legs[i - 1].blend;
+		task.waypoints.insert( task.waypoints.end(), next.waypoints.begin(), next.waypoints.end() );
+	}
+	return task;
+}
+
+/// Why the robot cannot stand there; empty: it can.
+std::string blockedBy( const io::Problem& problem, const State& state, const lw_edge_def& edge, const Leg& leg )
+{
+	const Query query = makeQuery( problem.checker.get() );
+	const lw_state_result is =
+	    motions::measure( problem.checker.get(), query.get(), state, edge.flags, nullptr, leg.scene.file, leg.element );
+	for ( const bool self : { false, true } )
+	{
+		const bool asked = ( edge.flags & ( self ? LW_CHECK_SELF : LW_CHECK_ENVIRONMENT ) ) != 0;
+		if ( asked && !( ( self ? is.self : is.environment ).lower > edge.min_d ) )
+		{
+			const motions::Named pair = self ? motions::nameSelf( problem.checker.get(), is.self )
+			                                 : motions::nameEnvironment( problem.checker.get(), is.environment );
+			return fmt::format( "where the scene has changed, the motion cannot begin: {} - {}, clearance {:.6g} m{}; "
+			                    "touch_links and allowed_collision_matrix allow a contact that is meant",
+			    pair.first, pair.second, pair.least(), pair.marginText() );
+		}
+	}
+	return {};
 }
 
 class Planning
 {
 public:
-	Planning( const io::RobotModel& robot, const io::Problem& problem, const std::vector<Leg>& legs,
-	    const Settings& settings, const State& start )
-	    : m_robot( robot ), m_problem( problem ), m_legs( legs ), m_settings( settings ), m_units( unitsOf( legs ) )
+	/// @param base before the first leg
+	Planning(
+	    const io::RobotModel& robot, Scene base, const std::vector<Leg>& legs, const Settings& settings, const State& start )
+	    : m_robot( robot ), m_base( std::move( base ) ), m_legs( legs ), m_settings( settings ), m_units( unitsOf( legs ) )
 	{
-		m_result.solved = extend( 0, start );
+		checkNames( start );
+		m_result.solved = extend( 0, start, m_base );
 		m_result.plan_seconds = seconds();
 		if ( m_result.solved )
 		{
@@ -170,20 +236,58 @@ private:
 		}
 	}
 
+	/// Objects, links and frames of all legs that are not there are errors at once, not where the search comes to them.
+	void checkNames( const State& start ) const
+	{
+		std::shared_ptr<const io::World> world = m_base.world;
+		for ( const Unit& unit : m_units )
+		{
+			const io::SceneDiff& diff = m_legs[unit.first].scene;
+			world = diff.empty() ? world : io::changed( *world, diff, start );
+			unit.is_line ? static_cast<void>( lineOf( m_legs, unit, world ? *world->problem() : *m_base.problem ) ) : void();
+		}
+	}
+
+	/// The scene of a unit that begins in this state; found once.
+	/// @param before of the unit before it @return null: it cannot begin
+	const Scene* enter( std::size_t unit, const Scene& before, const State& state )
+	{
+		const Leg& leg = m_legs[m_units[unit].first];
+		if ( leg.scene.empty() )
+		{
+			return &before;
+		}
+		const auto [entry, is_new] = m_entered.try_emplace( { unit, &before, state } );
+		Scene& scene = entry->second;
+		if ( is_new )
+		{
+			scene.world = io::changed( *before.world, leg.scene, state );
+			scene.problem = scene.world->problem();
+			scene.blocked = blockedBy( *scene.problem, state, m_settings.edge, leg );
+		}
+		if ( !scene.blocked.empty() )
+		{
+			fail( m_units[unit].first, scene.blocked );
+			return nullptr;
+		}
+		return &scene;
+	}
+
 	/// A goal of an earlier leg was of no use for this one.
 	void drop() { ++m_result.goals; }
 
-	bool follow( std::size_t unit, const State& start, std::size_t attempts, Step& step )
+	bool follow( std::size_t unit, const State& start, const Scene& scene, std::size_t attempts, Step& step )
 	{
-		lines::Task task = *m_units[unit].line;
+		lines::Task task = lineOf( m_legs, m_units[unit], *scene.problem );
 		task.start = start;
 		lines::Settings settings{ m_settings, attempts };
 		settings.stop = [this] { return isOver(); };
 		step.unit = unit;
-		step.line = lines::planLines( m_robot, m_problem, task, settings );
+		step.scene = &scene;
+		step.line = lines::planLines( m_robot, *scene.problem, task, settings );
 		if ( !step.line.solved )
 		{
-			fail( m_units[unit].leg_of[step.line.stop.part], lines::describe( m_problem, step.line ) );
+			fail( m_units[unit].leg_of[step.line.stop.part], lines::describe( *scene.problem, step.line ) );
 			return false;
 		}
 		step.segments = step.line.segments;
@@ -198,22 +302,28 @@ private:
 		return { last.points.end() - static_cast<std::ptrdiff_t>( count ), last.points.end() };
 	}
 
-	/// The lines behind a goal, and the constraints of the motion behind these.
-	bool goesOn( std::size_t unit, State state )
+	/// The lines behind a goal, the scenes in which they begin, and the constraints of the motion behind these.
+	bool goesOn( std::size_t unit, State state, const Scene& scene )
 	{
-		for ( ; unit < m_units.size() && m_units[unit].line; ++unit )
+		const Scene* own = &scene;
+		for ( ; unit < m_units.size(); ++unit )
 		{
+			own = enter( unit, *own, state );
+			if ( own == nullptr || !m_units[unit].is_line )
+			{
+				break;
+			}
 			Step step;
-			if ( !follow( unit, state, m_settings.attempts, step ) )
+			if ( !follow( unit, state, *own, m_settings.attempts, step ) )
 			{
 				return false;
 			}
 			state = step.end;
 		}
-		if ( unit < m_units.size() && !m_legs[m_units[unit].first].path.empty() )
+		if ( own != nullptr && unit < m_units.size() && !m_legs[m_units[unit].first].path.empty() )
 		{
 			const std::size_t leg = m_units[unit].first;
-			manifold::Manifold manifold( m_robot, m_problem, m_legs[leg].path );
+			manifold::Manifold manifold( m_robot, *own->problem, m_legs[leg].path );
 			const std::vector<std::string> broken = manifold.violations( state.data() );
 			if ( !broken.empty() )
 			{
@@ -221,51 +331,88 @@ private:
 				return false;
 			}
 		}
-		return true;
+		return own != nullptr;
 	}
 
-	/// Goals of a unit from which the next ones go on; found once.
-	const std::vector<State>& goalsOf( std::size_t index )
+	/// States of a leg's goal, with or without a way on.
+	std::vector<State> statesOf( std::size_t index, const Scene& scene )
+	{
+		const Leg& leg = m_legs[index];
+		if ( !leg.request )
+		{
+			return leg.goals;
+		}
+		try
+		{
+			return manifold::constrainedGoals(
+			    m_robot, *scene.problem, *leg.request, leg.path, m_settings.edge, m_settings.seed, m_settings.states );
+		}
+		catch ( const io::Error& error )
+		{
+			if ( &scene == &m_base )
+			{
+				throw;
+			}
+			fail( index, error.what() ); // in the scene of another branch the goal may have states
+			return {};
+		}
+	}
+
+	/// Goals of a unit from which the next ones go on; found once in each scene.
+	const std::vector<State>& goalsOf( std::size_t index, const Scene& scene )
 	{
 		Unit& unit = m_units[index];
-		if ( unit.has_goals )
-		{
-			return unit.goals;
-		}
-		unit.has_goals = true;
-		const Leg& leg = m_legs[unit.first];
-		const std::vector<State> all = leg.request ? manifold::constrainedGoals( m_robot, m_problem, *leg.request, leg.path,
-		                                                 m_settings.edge, m_settings.seed, m_settings.states )
-		                                           : leg.goals;
+		const auto [entry, is_new] = unit.goals.try_emplace( &scene );
+		std::vector<State>& goals = entry->second;
+		const std::vector<State> all = is_new ? statesOf( unit.first, scene ) : std::vector<State>();
 		for ( const State& goal : all )
 		{
 			if ( isOver() )
 			{
 				break;
 			}
-			goesOn( index + 1, goal ) ? unit.goals.push_back( goal ) : drop();
+			goesOn( index + 1, goal, scene ) ? goals.push_back( goal ) : drop();
 		}
-		return unit.goals;
+		return goals;
 	}
 
 	/// Time for a motion: half of the rest while other goals of earlier legs wait.
 	double share( bool last_choice ) const { return std::max( last_choice ? left() : left() / 2, 0.0 ); }
 
-	bool move( std::size_t index, const State& start, const std::vector<State>& goals, bool last_choice, Step& step )
+	/// True if the robot has come to one of the goals, as where it only lets go of a part, and may be there.
+	bool staysAt( const State& start, const std::vector<State>& goals, const Scene& scene, const Leg& leg ) const
+	{
+		if ( std::find( goals.begin(), goals.end(), start ) == goals.end() )
+		{
+			return false;
+		}
+		manifold::Manifold manifold( m_robot, *scene.problem, leg.path );
+		return manifold.violations( start.data() ).empty() &&
+		       blockedBy( *scene.problem, start, m_settings.edge, leg ).empty();
+	}
+
+	bool move( std::size_t index, const State& start, const Scene& scene, const std::vector<State>& goals, bool last_choice,
+	    Step& step )
 	{
 		const std::size_t leg = m_units[index].first;
+		step.unit = index;
+		step.scene = &scene;
+		step.end = start;
+		if ( staysAt( start, goals, scene, m_legs[leg] ) )
+		{
+			return true;
+		}
 		manifold::Task task;
 		task.start = start;
 		task.goals = goals;
 		manifold::Settings settings = m_settings;
 		settings.seconds = share( last_choice );
-		const manifold::Result plan = manifold::planPath( m_robot, m_problem, m_legs[leg].path, task, settings );
+		const manifold::Result plan = manifold::planPath( m_robot, *scene.problem, m_legs[leg].path, task, settings );
 		if ( !plan.solved() )
 		{
 			fail( leg, manifold::summary( plan ) );
 			return false;
 		}
-		step.unit = index;
 		step.segments = plan.segments;
 		step.end = plan.segments.empty() ? start : endOf( plan.segments );
 		return true;
@@ -277,27 +424,34 @@ private:
 		double most = 0;
 		for ( std::size_t i = 0; i < a.size(); ++i )
 		{
-			const bool wraps = lw_robot_variable( m_problem.robot.get(), m_problem.variables[i] ).wraps;
+			const io::Problem& problem = *m_base.problem;
+			const bool wraps = lw_robot_variable( problem.robot.get(), problem.variables[i] ).wraps;
 			most = std::max( most, std::fabs( wraps ? std::remainder( a[i] - b[i], 2 * M_PI ) : a[i] - b[i] ) );
 		}
 		return most;
 	}
 
 	/// Plans the units from this one on. @return false: none of the goals that were tried in the time serves
-	bool extend( std::size_t index, const State& start )
+	/// @param before the scene in which the unit before this one is driven
+	bool extend( std::size_t index, const State& start, const Scene& before )
 	{
 		if ( index == m_units.size() )
 		{
 			return true;
 		}
+		const Scene* scene = enter( index, before, start );
+		if ( scene == nullptr )
+		{
+			return false;
+		}
 		Step step;
-		if ( m_units[index].line )
+		if ( m_units[index].is_line )
 		{
 			// goalsOf() chose the start, unless the line is the first leg
 			const std::size_t attempts = m_settings.attempts * ( m_steps.empty() ? attempts_from_start : 1 );
-			return follow( index, start, attempts, step ) && goOn( index, std::move( step ) );
+			return follow( index, start, *scene, attempts, step ) && goOn( index, std::move( step ) );
 		}
-		std::vector<State> goals = goalsOf( index );
+		std::vector<State> goals = goalsOf( index, *scene );
 		const std::size_t count = goals.size();
 		m_waiting += count;
 		bool found = false;
@@ -306,7 +460,7 @@ private:
 			step = {};
 			step.goals = count;
 			step.tried = count - goals.size();
-			if ( !move( index, start, goals, m_waiting == goals.size(), step ) )
+			if ( !move( index, start, *scene, goals, m_waiting == goals.size(), step ) )
 			{
 				break;
 			}
@@ -325,8 +479,9 @@ private:
 	bool goOn( std::size_t index, Step step )
 	{
 		const State end = step.end;
+		const Scene& scene = *step.scene;
 		m_steps.push_back( std::move( step ) );
-		if ( extend( index + 1, end ) )
+		if ( extend( index + 1, end, scene ) )
 		{
 			return true;
 		}
@@ -347,9 +502,9 @@ private:
 			{
 				Motion& motion = m_result.legs[leg];
 				motion.first = first;
-				motion.count = unit.line ? 0 : step.segments.size();
+				motion.count = unit.is_line ? 0 : step.segments.size();
 				motion.begin = begin;
-				motion.is_line = unit.line.has_value();
+				motion.is_line = unit.is_line;
 				motion.position_error = step.line.position_error;
 				motion.angle_error = step.line.angle_error;
 				motion.goals = step.goals;
@@ -372,18 +527,20 @@ private:
 			{
 				const motions::Segment& last = step.segments.back();
 				const double end = 1e-9 * std::round( 1e9 * ( begin + last.begin + last.seconds ) );
-				m_result.legs[unit.first].seconds = unit.line ? m_result.legs[unit.first].seconds : end - begin;
+				m_result.legs[unit.first].seconds = unit.is_line ? m_result.legs[unit.first].seconds : end - begin;
 				begin = end;
 			}
 		}
 	}
 
 	const io::RobotModel& m_robot;
-	const io::Problem& m_problem;
+	const Scene m_base;
 	const std::vector<Leg>& m_legs;
 	const Settings& m_settings;
 	const std::chrono::steady_clock::time_point m_begin = std::chrono::steady_clock::now();
 	std::vector<Unit> m_units;
+	/// By unit, scene before it and state; none is removed, for later ones point to it.
+	std::map<std::tuple<std::size_t, const Scene*, State>, Scene> m_entered;
 	std::vector<Step> m_steps;
 	std::size_t m_waiting = 0; ///< goals of all legs that were not tried
 	Result m_result;
@@ -391,14 +548,30 @@ private:
 
 } // namespace
 
+Result planSequence( const io::RobotModel& robot, const io::World& world, const std::vector<Leg>& legs,
+    const Settings& settings, const std::vector<double>& start )
+{
+	check( legs );
+	const auto copy = std::make_shared<const io::World>( world );
+	const Scene base{ copy, copy->problem(), "" };
+	return Planning( robot, base, legs, settings, start.empty() ? io::startState( *base.problem ) : start ).result();
+}
+
 Result planSequence( const io::RobotModel& robot, const io::Problem& problem, const std::vector<Leg>& legs,
     const Settings& settings, const std::vector<double>& start )
 {
 	check( legs );
-	return Planning( robot, problem, legs, settings, start.empty() ? io::startState( problem ) : start ).result();
+	for ( std::size_t i = 0; i < legs.size(); ++i )
+	{
+		legs[i].scene.empty()
+		    ? void()
+		    : wrong( nameOf( legs, i ), "changes the scene of a problem, which stays as it is", "plan in an io::World" );
+	}
+	const Scene base{ nullptr, std::shared_ptr<const io::Problem>( std::shared_ptr<const io::Problem>(), &problem ), "" };
+	return Planning( robot, base, legs, settings, start.empty() ? io::startState( problem ) : start ).result();
 }
 
-std::vector<Leg> legsOf( const io::Problem& problem, const io::PathConstraints& sequence, const lines::Task& line )
+std::vector<Leg> legsOf( const io::PathConstraints& sequence, const lines::Task& line )
 {
 	std::vector<Leg> legs;
 	for ( const io::SequenceItem& item : sequence.items )
@@ -406,10 +579,11 @@ std::vector<Leg> legsOf( const io::Problem& problem, const io::PathConstraints& 
 		Leg leg;
 		leg.element = item.element;
 		leg.blend = item.blend_radius;
+		leg.scene = item.scene;
 		if ( item.path.way )
 		{
-			leg.line = lines::taskOf( problem, *item.path.way, line, sequence.file, item.element + ".req." );
-			leg.line->path = item.path;
+			leg.way = Way{ *item.path.way, line, sequence.file, item.element + ".req." };
+			leg.way->with.path = item.path;
 		}
 		else
 		{
@@ -419,24 +593,6 @@ std::vector<Leg> legsOf( const io::Problem& problem, const io::PathConstraints& 
 		legs.push_back( std::move( leg ) );
 	}
 	return legs;
-}
-
-std::vector<std::vector<motions::ConstraintProof>> proveLegs( const io::Problem& problem,
-    const io::PathConstraints& sequence, const Result& plan, const std::vector<motions::Segment>& segments )
-{
-	std::vector<std::vector<motions::ConstraintProof>> proofs( plan.legs.size() );
-	for ( std::size_t i = 0; i < plan.legs.size(); ++i )
-	{
-		const io::PathConstraints& own = sequence.items[i].path;
-		const Motion& leg = plan.legs[i];
-		if ( !own.empty() && leg.count > 0 )
-		{
-			const auto first = segments.begin() + static_cast<std::ptrdiff_t>( leg.first );
-			proofs[i] =
-			    motions::proveConstraints( problem, own, { first, first + static_cast<std::ptrdiff_t>( leg.count ) }, {} );
-		}
-	}
-	return proofs;
 }
 
 } // namespace leeway::sequence

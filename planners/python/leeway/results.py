@@ -262,6 +262,7 @@ class Sequence(NamedTuple):
     failed: int | None  #: the first item to whose end no attempt came
     seconds: float  #: of planning
     message: str  #: the reasons without a plan; empty if solved
+    checkers: tuple[Checker, ...] = ()  #: of each item, in its scene: the robot with what it holds
 
     def __repr__(self) -> str:
         return f"Sequence({len(self.legs)} legs, {len(self.times)} points)" if self.solved else f"Sequence({self.message.splitlines()[0]})"

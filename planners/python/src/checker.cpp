@@ -28,12 +28,19 @@ using Allowed = std::vector<std::pair<std::string, std::string>>;
 /// leeway.World: it makes checkers.
 struct PyWorld
 {
-	PyWorld( const PyRobot& robot, const io::ProblemOptions& options ) : world( *robot.model, options ), model( robot.model )
+	PyWorld( const PyRobot& robot, const io::ProblemOptions& options )
+	    : world( std::make_shared<io::World>( *robot.model, options ) ), model( robot.model )
 	{
 	}
-	io::World world;
+	std::shared_ptr<io::World> world; ///< shared by its checkers
 	std::shared_ptr<const io::RobotModel> model;
-	PyChecker checker() const { return PyChecker( world.problem(), model ); }
+	PyChecker checker() const
+	{
+		PyChecker checker( world->problem(), model );
+		checker.world = world;
+		checker.of_world = checker.problem;
+		return checker;
+	}
 };
 
 /// Other threads may edit the scene once the interpreter's lock is released.
@@ -51,6 +58,8 @@ void makeChecker( PyChecker* self, const PyRobot& robot, const PyScene* scene, c
 	    optionsOf( robot, copy.get(), { group, reference, allowed, margins, padding, reach, min_d, max_d } );
 	const nb::gil_scoped_release unlocked;
 	new ( self ) PyChecker( std::make_shared<const io::Problem>( io::buildProblem( *robot.model, options ) ), robot.model );
+	self->world = std::make_shared<const io::World>( *robot.model, options, *self->problem );
+	self->of_world = self->world->problem();
 }
 
 void makeWorld( PyWorld* self, const PyRobot& robot, const PyScene* scene, const std::string& group,
@@ -210,7 +219,7 @@ std::vector<double> stateOf( const nb::object& state, const PyWorld& world )
 		return {};
 	}
 	const Doubles numbers = nb::cast<Doubles>( state );
-	const std::size_t size = world.world.problem()->variables.size();
+	const std::size_t size = world.world->problem()->variables.size();
 	const double* q = vectorOf( numbers, size, "state", "variables of the group" );
 	return { q, q + size };
 }
@@ -219,7 +228,7 @@ std::vector<double> stateOf( const nb::object& state, const PyWorld& world )
 template <typename Change> PyChecker changed( PyWorld& world, const Change& change )
 {
 	const nb::gil_scoped_release unlocked;
-	change( world.world );
+	change( *world.world );
 	return world.checker();
 }
 

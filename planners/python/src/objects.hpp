@@ -74,6 +74,9 @@ struct PyChecker
 	PyChecker( std::shared_ptr<const io::Problem> made, std::shared_ptr<const io::RobotModel> robot );
 	std::shared_ptr<const io::Problem> problem;
 	std::shared_ptr<const io::RobotModel> model; ///< of `problem`
+	/// Changes of the scene begin with it, as long as it is in the state `of_world`; empty: the scene is not changed.
+	std::shared_ptr<const io::World> world;
+	std::shared_ptr<const io::Problem> of_world;
 	std::shared_ptr<QueryPool> queries;
 	std::shared_ptr<Certifier> certifier; ///< what certificates and bubbles have alike
 	const lw_checker* get() const { return problem->checker.get(); }

@@ -458,7 +458,36 @@ nb::object planRequest( const PyChecker& checker, const nb::object& request, con
 
 // ---- sequences -------------------------------------------------------------------------------------------------------
 
-/// Arrays among the items are goals: their places get a goal that the reader takes.
+/// An array in the place of a request is goals: the place gets a goal that the reader takes.
+void takeGoals( nb::dict& item, std::size_t index, std::vector<std::pair<std::size_t, Doubles>>& goals )
+{
+	if ( !nb::hasattr( item["req"], "keys" ) )
+	{
+		goals.emplace_back( index, nb::cast<Doubles>( item["req"] ) );
+		item["req"] = nb::eval( "{'goal_constraints': [{'joint_constraints': [{'joint_name': '', 'position': 0}]}]}" );
+	}
+}
+
+/// The world that changes of the scene begin with; empty without such changes. @throws io::Error
+std::shared_ptr<const io::World> worldOf( const PyChecker& checker, const std::vector<sequence::Leg>& legs )
+{
+	const auto changes = std::find_if( legs.begin(), legs.end(), []( const auto& leg ) { return !leg.scene.empty(); } );
+	if ( changes == legs.end() )
+	{
+		return nullptr;
+	}
+	const auto wrong = [&]( const char* problem, const char* remedy )
+	{ throw io::Error( changes->scene.file, changes->element, problem, remedy ); };
+	checker.world ? void()
+	              : wrong( "changes the scene of a checker that was not made of a scene", "call Checker( robot, scene )" );
+	auto copy = std::make_shared<const io::World>( *checker.world );
+	copy->problem() == checker.of_world
+	    ? void()
+	    : wrong( "changes the scene, and the World of the checker has changed since", "take the World's checker of now" );
+	return copy;
+}
+
+/// Arrays among the items are goals.
 io::PathConstraints itemsOf( const PyChecker& checker, const nb::object& items, io::Request& request,
     std::vector<std::pair<std::size_t, Doubles>>& goals )
 {
@@ -479,13 +508,13 @@ io::PathConstraints itemsOf( const PyChecker& checker, const nb::object& items, 
 			nb::dict one;
 			if ( !nb::hasattr( item, "keys" ) )
 			{
-				goals.emplace_back( nb::len( list ), nb::cast<Doubles>( item ) );
-				one["req"] =
-				    nb::eval( "{'goal_constraints': [{'joint_constraints': [{'joint_name': '', 'position': 0}]}]}" );
+				one["req"] = item;
+				takeGoals( one, nb::len( list ), goals );
 			}
 			else if ( nb::cast<bool>( item.attr( "__contains__" )( "req" ) ) )
 			{
 				one = nb::cast<nb::dict>( builtins.attr( "dict" )( item ) );
+				takeGoals( one, nb::len( list ), goals );
 			}
 			else
 			{
@@ -511,25 +540,37 @@ io::PathConstraints itemsOf( const PyChecker& checker, const nb::object& items, 
 	return path;
 }
 
-/// Begin and end of each leg, [legs, 2].
+/// The scenes of a plan that goes somewhere, as driven. @param world empty: the scene of the checker
+std::vector<sequence::Chapter> chaptersOf( const PyChecker& checker, const io::World* world,
+    const std::vector<sequence::Leg>& legs, const sequence::Result& plan, const std::vector<motions::Segment>& segments,
+    const std::vector<double>& start )
+{
+	return world != nullptr ? sequence::chaptersOf( *world, legs, plan, segments, start )
+	                        : std::vector<sequence::Chapter>{ { checker.problem, 0, legs.size(), segments } };
+}
+
+/// Begin and end of each leg, [legs, 2]; the checker of each leg.
 nb::object sequenceOf( const PyChecker& checker, const io::PathConstraints& path, const sequence::Result& plan,
+    const std::vector<sequence::Leg>& steps, const io::World* world, const std::vector<double>& start,
     const motions::TrajectorySettings& as_driven )
 {
 	const io::Problem& problem = *checker.problem;
 	motions::TrajectoryFile file;
+	std::vector<sequence::Chapter> chapters;
 	std::string message = plan.solved ? std::string() : sequence::describe( plan );
 	bool solved = plan.solved;
 	if ( solved )
 	{
-		file = motions::endsOf( problem, plan.segments );
+		file = plan.segments.empty() ? motions::standingAt( problem, start ) : motions::endsOf( problem, plan.segments );
 		const std::vector<motions::Segment> segments =
 		    motions::segmentsOf( problem, file, motions::Interpolation::automatic, 0 );
+		chapters = chaptersOf( checker, world, steps, plan, segments, start );
 		const motions::TrajectoryAudit audit =
-		    motions::auditTrajectory( problem, *checker.model, "the sequence", segments, as_driven );
+		    sequence::auditChapters( *checker.model, chapters, "the sequence", as_driven );
 		solved = audit.valid();
 		message = solved ? message : motions::describe( audit );
 		const std::vector<std::vector<motions::ConstraintProof>> proofs =
-		    sequence::proveLegs( problem, path, plan, segments );
+		    sequence::proveLegs( chapters, path, plan, segments );
 		for ( std::size_t i = 0; i < proofs.size(); ++i )
 		{
 			const bool kept = motions::areKept( proofs[i] );
@@ -544,15 +585,25 @@ nb::object sequenceOf( const PyChecker& checker, const io::PathConstraints& path
 		legs.data[2 * i] = plan.legs[i].begin;
 		legs.data[2 * i + 1] = plan.legs[i].begin + plan.legs[i].seconds;
 	}
+	nb::list checkers;
+	for ( std::size_t i = 0; solved && i < chapters.size(); ++i )
+	{
+		const nb::object one = nb::cast( PyChecker( chapters[i].problem, checker.model ) );
+		for ( std::size_t k = 0; k < chapters[i].legs; ++k )
+		{
+			checkers.append( one );
+		}
+	}
 	const nb::object failed = plan.solved ? nb::none() : nb::cast( plan.failed );
-	return result( "Sequence", nb::make_tuple( solved, points.times.object, points.positions.object,
-	                               points.velocities.object, legs.object, failed, plan.plan_seconds, message.c_str() ) );
+	return result(
+	    "Sequence", nb::make_tuple( solved, points.times.object, points.positions.object, points.velocities.object,
+	                    legs.object, failed, plan.plan_seconds, message.c_str(), nb::tuple( checkers ) ) );
 }
 
 nb::object planSequence( const PyChecker& checker, const nb::object& items, const nb::object& start, const nb::object& tip,
     const nb::object& free_axis, double tolerance, double angle, double speed, double seconds, const Whole& seed,
     double min_d, double slack, const std::string& check, bool smooth, const nb::object& velocity,
-    const nb::object& acceleration )
+    const nb::object& acceleration, const Whole& goal_states )
 {
 	const io::Problem& problem = *checker.problem;
 	io::Request request;
@@ -569,7 +620,7 @@ nb::object planSequence( const PyChecker& checker, const nb::object& items, cons
 		const double* axis = vectorOf( numbers, 3, "free_axis", "numbers" );
 		line.free_axis = lw_vec3{ axis[0], axis[1], axis[2] };
 	}
-	std::vector<sequence::Leg> legs = sequence::legsOf( problem, path, line );
+	std::vector<sequence::Leg> legs = sequence::legsOf( path, line );
 	for ( const auto& [i, states] : goals )
 	{
 		const Rows rows = rowsOf( states, checker.variables(), "items", "variables of the group" );
@@ -580,16 +631,23 @@ nb::object planSequence( const PyChecker& checker, const nb::object& items, cons
 		}
 	}
 	sequence::Settings settings{ { settingsOf( checker, min_d, slack, check, seed, velocity, acceleration ) } };
+	settings.states = goal_states.in( "goal_states", 1, std::numeric_limits<std::uint32_t>::max() );
 	setWork( settings, seconds, smooth, request );
 	motions::TrajectorySettings as_driven;
 	as_driven.edge = settings.edge;
 	std::atomic<bool> stopped = false;
 	settings.stop = [&stopped] { return stopped.load(); };
+	const std::shared_ptr<const io::World> world = worldOf( checker, legs );
 	const std::vector<double> from = startOr( checker, start, request );
 	sequence::Result plan;
-	workInterruptibly( [&] { plan = sequence::planSequence( *checker.model, problem, legs, settings, from ); },
+	workInterruptibly(
+	    [&]
+	    {
+		    plan = world ? sequence::planSequence( *checker.model, *world, legs, settings, from )
+		                 : sequence::planSequence( *checker.model, problem, legs, settings, from );
+	    },
 	    [&stopped] { stopped = true; } );
-	return sequenceOf( checker, path, plan, as_driven );
+	return sequenceOf( checker, path, plan, legs, world.get(), from, as_driven );
 }
 
 } // namespace
@@ -653,20 +711,22 @@ void bindConstrained( nb::class_<PyChecker>& type )
 	type.def( "plan_sequence", &planSequence, "items"_a, "start"_a = nb::none(), nb::kw_only(), "tip"_a = nb::none(),
 	    "free_axis"_a = nb::none(), "tolerance"_a = task.tolerance, "angle"_a = task.angle, "speed"_a = HUGE_VAL,
 	    "seconds"_a = infinity, "seed"_a.none() = 1, "min_d"_a = 0.0, "slack"_a = 1e-3, "check"_a = "both",
-	    "smooth"_a = true, "velocity"_a = nb::none(), "acceleration"_a = nb::none(),
+	    "smooth"_a = true, "velocity"_a = nb::none(), "acceleration"_a = nb::none(), "goal_states"_a.none() = 16,
 	    nb::sig(
 	        "def plan_sequence(self, items: typing.Sequence | typing.Mapping | str | os.PathLike, "
 	        "start: numpy.typing.ArrayLike | None = None, *, tip: numpy.typing.ArrayLike | None = None, "
 	        "free_axis: numpy.typing.ArrayLike | None = None, tolerance: float = 0.0001, angle: float = 0.0017, "
 	        "speed: float = float('inf'), seconds: float = float('inf'), seed: int = 1, min_d: float = 0.0, slack: float = 0.001, "
 	        "check: str = 'both', smooth: bool = True, velocity: numpy.typing.ArrayLike | None = None, "
-	        "acceleration: numpy.typing.ArrayLike | None = None) -> leeway.results.Sequence" ),
+	        "acceleration: numpy.typing.ArrayLike | None = None, goal_states: int = 16) -> leeway.results.Sequence" ),
 	    "Motions one after the other, such as approach, grasp and retreat, planned together: a goal counts only if the motions behind it are\n"
 	    "found. Each begins where the one before ends; all are proved free and within limits at all times.\n\n"
 	    "items: a list; or moveit_msgs/MotionSequenceRequest, as a mapping or the name of its file. An item is float64 [dof] or [k, dof], a goal or\n"
 	    "alternatives; or a mapping: a request as of plan_request(), with goal_constraints and perhaps path_constraints, or with waypoints and\n"
-	    "link_name, a line; or {\"req\": request, \"blend_radius\": metres}, from which on the corner to the next line is rounded. start: float64 [dof], in\n"
-	    "place of the first start_state. tip, free_axis, tolerance, angle, speed: of all lines, as of plan_line(). seconds: of all; infinity: the sum of\n"
+	    "link_name, a line; or {\"req\": request or array, \"blend_radius\": metres, \"planning_options\": {\"planning_scene_diff\": difference}}: the corner to the\n"
+	    "next line is rounded from that radius on; the difference, in the shape of moveit_msgs/PlanningScene, changes the scene before the motion: objects\n"
+	    "are attached to the hand where they are then, released where it leaves them, added, removed and moved, contacts allowed. start: float64 [dof], in\n"
+	    "place of the first start_state. goal_states: of a pose, at most. tip, free_axis, tolerance, angle, speed: of all lines, as of plan_line(). seconds: of all; infinity: the sum of\n"
 	    "allowed_planning_time, else 60. velocity, acceleration: limits. Returns Sequence; without a plan `failed` is the item that is not found.\n"
 	    "Equal seeds give equal plans, unless the time is over. Ctrl-C ends it. Raises InputError that names the item." );
 }

@@ -72,3 +72,55 @@ except KeyboardInterrupt:
 def test_ctrl_c_ends_planned_motions(arm, tmp_path, work):  # noqa: F811
     done = subprocess.run([sys.executable, "-c", INTERRUPTED, tmp_path / "arm.urdf", work], capture_output=True, text=True, timeout=120)
     assert done.stdout.startswith("interrupted"), done.stdout + done.stderr
+
+
+def held(arm):  # noqa: F811
+    """A block below the hand, and the items that take it, carry it to the other side and leave it there."""
+    scene = leeway.Scene()
+    scene.add("block", leeway.Shape.box(0.06, 0.06, 0.06), [0.4, -0.2, 0.12])
+    checker = leeway.Checker(arm, scene)
+    down, up = ({"link_name": "hand", "waypoints": [{"position": [0.4, -0.2, z], "orientation": DOWN}]} for z in (0.25, 0.3))
+
+    def diff(operation, **more):
+        attached = [dict(more, object={"id": "block", "operation": operation})]
+        return {"planning_scene_diff": {"is_diff": True, "robot_state": {"is_diff": True, "attached_collision_objects": attached}}}
+
+    above = checker.goal_states("hand", [0.4, -0.2, 0.3, *DOWN]).states
+    place = checker.goal_states("hand", [0.3, 0.3, 0.4, *DOWN]).states
+    items = [above, down, {"req": up, "planning_options": diff("ADD", link_name="hand")}, place,
+             {"req": numpy.full(7, 0.3), "planning_options": diff("REMOVE")}]
+    return scene, checker, items
+
+
+def test_a_held_part_is_where_the_grasp_left_it(arm):  # noqa: F811
+    scene, checker, items = held(arm)
+    plan = checker.plan_sequence(items, numpy.full(7, 0.3), seconds=20)
+    assert plan.solved, plan.message
+    assert [c.links[-1] == "block" for c in plan.checkers] == [False, False, True, True, False]
+    for leg, (begin, end) in zip(plan.checkers, plan.legs):
+        of_leg = (plan.times > begin - 1e-6) & (plan.times < end + 1e-6)
+        assert leg.trajectory(plan.times[of_leg], plan.positions[of_leg], plan.velocities[of_leg]).all_free
+    # the same by the edits of a World
+    grasp, leave = (plan.positions[numpy.argmin(abs(plan.times - plan.legs[i, 0]))] for i in (2, 4))
+    world = leeway.World(arm, scene)
+    states = numpy.vstack([plan.positions, numpy.random.default_rng(1).uniform(-1, 1, (50, 7))])
+    for leg, by_hand in ((plan.checkers[3], world.attach("block", "hand", state=grasp)), (plan.checkers[4], world.detach("block", leave))):
+        ours, theirs = leg.clearance(states), by_hand.clearance(states)
+        assert numpy.allclose(ours.lower, theirs.lower, atol=1e-9) and (ours.lower > 0).any()
+    moved = leeway.World(arm, scene)
+    of_before = moved.checker
+    assert of_before.plan_sequence(items, numpy.full(7, 0.3), seconds=20).solved
+    moved.move("block", [0.4, -0.2, 0.1])
+    with pytest.raises(leeway.InputError, match=r"items\[2\].*has changed since"):
+        of_before.plan_sequence(items, numpy.full(7, 0.3))
+
+
+def test_goal_states_and_diffs_are_checked(arm):  # noqa: F811
+    _, checker, items = held(arm)
+    items[2]["planning_options"]["planning_scene_diff"]["robot_state"]["attached_collision_objects"][0]["object"]["id"] = "blok"
+    with pytest.raises(leeway.InputError, match=r"items\[2\].*no object blok"):
+        checker.plan_sequence(items, numpy.full(7, 0.3))
+    with pytest.raises(ValueError, match="goal_states"):
+        checker.plan_sequence([numpy.zeros(7)], numpy.full(7, 0.3), goal_states=0)
+    stays = checker.plan_sequence([numpy.full(7, 0.3)], numpy.full(7, 0.3))
+    assert stays.solved and stays.times.tolist() == [0] and (stays.positions == 0.3).all()

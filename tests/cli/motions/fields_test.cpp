@@ -54,6 +54,9 @@ const char* const turned = R"([{"translation": {"x": 1, "y": 0, "z": 0}, "rotati
 const char* const of_elbow =
     R"([{"joint_name": "elbow", "position": 0, "tolerance_above": 1, "tolerance_below": 1, "weight": 1}])";
 
+const char* const gone = R"([{"id": "none", "operation": 1}])";
+
+#define DIFF "/items/1/planning_options/planning_scene_diff"
 #define START "/trajectory_start"
 #define OBJECT "/world/collision_objects/0"
 #define HELD "/robot_state/attached_collision_objects/0"
@@ -179,6 +182,41 @@ const Row rows[] = {
     { "MotionSequenceRequest", "items", Use::used, Base::items, "/items", "[]" },
     { "MotionSequenceItem", "req", Use::used, Base::items, "/items/1/req/waypoints/0/position/0", "0.55" },
     { "MotionSequenceItem", "blend_radius", Use::used, Base::items, "/items/0/blend_radius", "0.02" },
+    { "MotionSequenceItem", "planning_options", Use::used, Base::items, DIFF "/world/collision_objects", gone },
+    { "PlanningOptions", "planning_scene_diff", Use::used, Base::items, DIFF "/world/collision_objects", gone },
+    { "PlanningOptions", "plan_only", Use::silent, Base::items, "/items/1/planning_options/plan_only", "true" },
+    { "PlanningOptions", "look_around", Use::noticed, Base::items, "/items/1/planning_options/look_around", "true" },
+    { "PlanningOptions", "look_around_attempts", Use::noticed, Base::items, "/items/1/planning_options/look_around_attempts",
+        "2" },
+    { "PlanningOptions", "max_safe_execution_cost", Use::noticed, Base::items,
+        "/items/1/planning_options/max_safe_execution_cost", "0.5" },
+    { "PlanningOptions", "replan", Use::noticed, Base::items, "/items/1/planning_options/replan", "true" },
+    { "PlanningOptions", "replan_attempts", Use::noticed, Base::items, "/items/1/planning_options/replan_attempts", "2" },
+    { "PlanningOptions", "replan_delay", Use::noticed, Base::items, "/items/1/planning_options/replan_delay", "0.5" },
+    { "PlanningScene of an item", "name", Use::silent, Base::items, DIFF "/name", "\"grasp\"" },
+    { "PlanningScene of an item", "robot_state", Use::used, Base::items, DIFF "/robot_state/attached_collision_objects",
+        R"([{"link_name": "fore", "object": {"id": "none"}}])" },
+    { "PlanningScene of an item", "robot_model_name", Use::silent, Base::items, DIFF "/robot_model_name", "\"arm\"" },
+    { "PlanningScene of an item", "fixed_frame_transforms", Use::refused, Base::items, DIFF "/fixed_frame_transforms",
+        R"([{"child_frame_id": "camera"}])" },
+    { "PlanningScene of an item", "allowed_collision_matrix", Use::used, Base::items, DIFF "/allowed_collision_matrix",
+        R"({"entry_names": ["fore", "base"], "entry_values": [[0, 1], [1, 0]]})" },
+    { "PlanningScene of an item", "link_padding", Use::refused, Base::items, DIFF "/link_padding",
+        R"([{"link_name": "fore", "padding": 0.1}])" },
+    { "PlanningScene of an item", "link_scale", Use::refused, Base::items, DIFF "/link_scale",
+        R"([{"link_name": "fore", "scale": 1.1}])" },
+    { "PlanningScene of an item", "object_colors", Use::silent, Base::items, DIFF "/object_colors", R"([{"id": "none"}])" },
+    { "PlanningScene of an item", "world", Use::used, Base::items, DIFF "/world/collision_objects", gone },
+    { "PlanningScene of an item", "is_diff", Use::refused, Base::items, DIFF,
+        R"({"is_diff": false, "world": {"collision_objects": [{"id": "none", "operation": 1}]}})" },
+    { "RobotState of an item", "joint_state", Use::refused, Base::items, DIFF "/robot_state/joint_state/name",
+        R"(["elbow"])" },
+    { "RobotState of an item", "multi_dof_joint_state", Use::refused, Base::items,
+        DIFF "/robot_state/multi_dof_joint_state/transforms", turned },
+    { "RobotState of an item", "attached_collision_objects", Use::used, Base::items,
+        DIFF "/robot_state/attached_collision_objects", R"([{"link_name": "fore", "object": {"id": "none"}}])" },
+    { "RobotState of an item", "is_diff", Use::refused, Base::items, DIFF "/robot_state",
+        R"({"is_diff": false, "attached_collision_objects": [{"link_name": "fore", "object": {"id": "none"}}]})" },
     { "Constraints", "name", Use::silent, Base::request, GOAL "/name", "\"there\"" },
     { "Constraints", "joint_constraints", Use::used, Base::request, GOAL "/joint_constraints/0/position", "0.9" },
     { "Constraints", "position_constraints", Use::used, Base::poses, GOAL "/position_constraints", "[]" },

@@ -60,6 +60,9 @@ TrajectoryFile timedPath( const io::Problem& problem, const std::vector<std::vec
 /// The ends of cubic segments that follow each other, with velocities: a controller drives the same cubics.
 TrajectoryFile endsOf( const io::Problem& problem, const std::vector<Segment>& segments );
 
+/// One point: a state that is held. @param state of the group
+TrajectoryFile standingAt( const io::Problem& problem, const std::vector<double>& state );
+
 /// As a moveit_msgs/RobotTrajectory: JSON, which is YAML too.
 std::string robotTrajectory( const TrajectoryFile& trajectory );
 

@@ -61,6 +61,9 @@ struct TrajectoryAudit
 	bool valid() const { return violation.verdict == LW_VERDICT_FREE && problems.empty(); }
 };
 
+/// Adds the audit of a trajectory that is driven after those before.
+void append( TrajectoryAudit& whole, const TrajectoryAudit& next );
+
 /// A tolerance of one variable, or of all variables of the group.
 struct Tolerance
 {

@@ -5,19 +5,31 @@
 //     approach.goals = states;                    // alternatives, such as those of leeway/ik/inverse.hpp
 //     grasp.line = down;                          // leeway::lines::Task; its start is the end of the leg before
 //     retreat.line = up;
-//     const leeway::sequence::Result plan = leeway::sequence::planSequence( robot, problem, { approach, grasp, retreat }, settings );
+//     retreat.scene = diff;                       // io::SceneDiff: the part belongs to the hand from here on
+//     const leeway::io::World world( robot, options );
+//     const leeway::sequence::Result plan = leeway::sequence::planSequence( robot, world, { approach, grasp, retreat }, settings );
 //
 // A goal counts only if the legs behind it are found: lines are planned from each goal before any motion is that leads there, and a goal from which a
-// later leg is not found gives way to another one, until the time is over. Motions to goals are those of leeway/manifold/plan.hpp, lines those of
+// later leg is not found gives way to another one, until the time is over. Where a part is held depends on the state in which it is grasped, so each
+// goal has scenes of its own behind it. Motions to goals are those of leeway/manifold/plan.hpp, lines those of
 // leeway/lines/lines.hpp.
 #pragma once
 
+#include "leeway/io/scene_diff.hpp"
 #include "leeway/lines/lines.hpp"
 #include "leeway/manifold/plan.hpp"
 #include "leeway/motions/path_constraints.hpp"
 
 namespace leeway::sequence
 {
+
+/// Waypoints of a request: a line whose link and frame are looked up in the scene of the leg.
+struct Way
+{
+	io::CartesianWay way;
+	lines::Task with;          ///< as that of lines::taskOf(), with constraints
+	std::string file, element; ///< of the request, for errors
+};
 
 /// One motion: to a goal, or along a line.
 struct Leg
@@ -27,9 +39,12 @@ struct Leg
 	std::optional<io::Request> request;     ///< in place of `goals`: its goal; poses get states by inverse kinematics
 	io::PathConstraints path;               ///< kept on the way to a goal; of lines: lines::Task::path
 	std::optional<lines::Task>
-	    line; ///< in place of a goal; from the end of the leg before, so without `any_start` and `start`
+	    line;               ///< in place of a goal; from the end of the leg before, so without `any_start` and `start`
+	std::optional<Way> way; ///< in place of `line`
+	/// Changes the scene before the motion, in the state in which the leg begins; the robot rests there. Later legs keep it.
+	io::SceneDiff scene;
 	/// Metres: the corner to the next leg is rounded at this distance, without a rest, as lines::Waypoint::blend. Both legs are lines of one
-	/// frame, without constraints.
+	/// frame, without constraints, in one scene.
 	double blend = 0;
 };
 
@@ -64,24 +79,49 @@ struct Result
 };
 
 /// Plans all legs. Not solved: no statement on whether there is a plan.
-/// @param robot the model that `problem` was built from
+/// @param robot the model that `world` was built from
+/// @param world as it is before the first leg; it stays so
 /// @param start group state; empty: io::startState()
-/// @throws io::Error that names the leg (neither goal nor line, goals and poses that no state has, a blend that cannot be, and all of planLines() and
-/// planPath()), CoreError
+/// @throws io::Error that names the leg (neither goal nor line, goals and poses that no state has, a blend that cannot be, a change of the scene that
+/// cannot be, and all of planLines() and planPath()), CoreError
+Result planSequence( const io::RobotModel& robot, const io::World& world, const std::vector<Leg>& legs,
+    const Settings& settings, const std::vector<double>& start = {} );
+
+/// The same in one scene: legs that change it are an Error.
 Result planSequence( const io::RobotModel& robot, const io::Problem& problem, const std::vector<Leg>& legs,
     const Settings& settings, const std::vector<double>& start = {} );
 
 /// Legs of a request's items. @param line frame offset, free axis, tolerances and speed of all lines
-/// @throws io::Error (a link or frame that is not there)
-std::vector<Leg> legsOf( const io::Problem& problem, const io::PathConstraints& sequence, const lines::Task& line );
+std::vector<Leg> legsOf( const io::PathConstraints& sequence, const lines::Task& line );
+
+/// Legs that are driven in one scene.
+struct Chapter
+{
+	std::shared_ptr<const io::Problem> problem; ///< the robot with what it holds, in the scene
+	std::size_t leg = 0, legs = 0;              ///< the first one, and their number
+	std::vector<motions::Segment> segments;     ///< one of no duration where no leg goes anywhere
+};
+
+/// The scenes of a plan, made anew of the motion as it is driven.
+/// @param world, legs, start as for planSequence() @param segments as driven, those of Result::segments one by one
+/// @throws io::Error as io::changed(), and where the robot does not rest while the scene changes
+std::vector<Chapter> chaptersOf( const io::World& world, const std::vector<Leg>& legs, const Result& plan,
+    const std::vector<motions::Segment>& segments, const std::vector<double>& start = {} );
+
+/// Proves each chapter in its scene. @param name of the motion, for errors @param settings for all
+motions::TrajectoryAudit auditChapters( const io::RobotModel& robot, const std::vector<Chapter>& chapters,
+    const std::string& name, const motions::TrajectorySettings& settings );
 
 /// Proofs that each leg keeps its constraints along its path.
 /// @param sequence the request whose items are the legs @param segments as driven, those of Result::segments one by one
 /// @return of each leg, [legs]; empty without constraints, or if the plan is not solved
-std::vector<std::vector<motions::ConstraintProof>> proveLegs( const io::Problem& problem,
+std::vector<std::vector<motions::ConstraintProof>> proveLegs( const std::vector<Chapter>& chapters,
     const io::PathConstraints& sequence, const Result& plan, const std::vector<motions::Segment>& segments );
 
-/// Lines for people.
-std::string describe( const Result& result );
+/// The changes in words: "attach cup to hand", "release cup", "add box", "remove box", "move box", "replace the allowed collision matrix".
+std::vector<std::string> changesOf( const io::SceneDiff& scene );
+
+/// Lines for people. @param legs that were planned, for their changes of the scene; may be empty
+std::string describe( const Result& result, const std::vector<Leg>& legs = {} );
 
 } // namespace leeway::sequence

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A bar is taken, carried past a wall and left there: the program plans and proves it, and its steps are proved once more by `leeway audit --steps`.
+#include "cli_fixture.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+using Json = nlohmann::json;
+
+namespace
+{
+
+std::string goal( double shoulder, double elbow )
+{
+	return "goal_constraints: [{joint_constraints: [{joint_name: shoulder, position: " + std::to_string( shoulder ) +
+	       "}, {joint_name: elbow, position: " + std::to_string( elbow ) + "}]}]";
+}
+
+std::string changed( const std::string& diff )
+{
+	return "    planning_options: {planning_scene_diff: {is_diff: true, robot_state: {is_diff: true, "
+	       "attached_collision_objects: [" +
+	       diff + "]}}}\n";
+}
+
+class CliSequence : public Cli
+{
+protected:
+	void SetUp() override
+	{
+		Cli::SetUp();
+		// The tip reaches to 0.8 m, the bar to 1.05 m, the wall stands at 0.9 m
+		write( "bar.yaml",
+		    "world: {collision_objects: [{id: wall, pose: {position: [1, 0, 0]}, primitives: [{type: box, "
+		    "dimensions: [0.2, 0.6, 1]}]}, {id: bar, pose: {position: [0, 0.95, 0]}, primitives: [{type: box, "
+		    "dimensions: [0.04, 0.2, 0.04]}]}]}" );
+		write( "q.yaml", "items:\n  - req: {start_state: {joint_state: {name: [shoulder, elbow], position: [1.2, 0.5]}}, " +
+		                     goal( 1.5707963, 0 ) + "}\n  - req: {" + goal( -1.5, 0 ) + "}\n" + changed( held ) +
+		                     "  - req: {" + goal( -1.2, 1 ) + "}\n" + changed( "{object: {id: bar, operation: REMOVE}}" ) );
+	}
+	Outcome plan( const std::vector<std::string>& more = {} ) const
+	{
+		std::vector<std::string> all = {
+		    "--request", "q.yaml", "--no-cache", "--trajectory", "t.json", "--report", "r.json" };
+		all.insert( all.end(), more.begin(), more.end() );
+		return runModel( "plan", all, "bar.yaml" );
+	}
+	/// Writes a trajectory for each leg, from its report.
+	void split() const
+	{
+		const Json whole = Json::parse( readFile( path( "t.json" ) ) )["joint_trajectory"],
+		           legs = Json::parse( readFile( path( "r.json" ) ) )["legs"];
+		const auto nanoseconds = []( const Json& point )
+		{
+			return point["time_from_start"]["sec"].get<std::int64_t>() * 1000000000 +
+			       point["time_from_start"]["nanosec"].get<std::int64_t>();
+		};
+		for ( std::size_t i = 0; i < legs.size(); ++i )
+		{
+			const std::int64_t begin = std::llround( 1e9 * legs[i]["begin"].get<double>() ),
+			                   end = begin + std::llround( 1e9 * legs[i]["seconds"].get<double>() );
+			Json own = { { "joint_names", whole["joint_names"] } };
+			for ( Json point : whole["points"] )
+			{
+				const std::int64_t time = nanoseconds( point );
+				if ( time >= begin - 1 && time <= end + 1 )
+				{
+					point["time_from_start"] = { { "sec", ( time - begin ) / 1000000000 },
+					    { "nanosec", std::max<std::int64_t>( 0, ( time - begin ) % 1000000000 ) } };
+					own["points"].push_back( point );
+				}
+			}
+			write( "leg" + std::to_string( i ) + ".json", own.dump() );
+		}
+	}
+	Outcome audit( const std::string& steps ) const
+	{
+		write( "steps.yaml", "steps:\n" + steps );
+		return runModel( "audit", { "--steps", "steps.yaml", "--no-cache" }, "bar.yaml" );
+	}
+
+	const std::string held = "{link_name: fore, object: {id: bar, operation: ADD}}";
+};
+
+} // namespace
+
+TEST_F( CliSequence, TheStepsOfASequenceAreNotProvedApart )
+{
+	const Outcome planned = plan();
+	ASSERT_EQ( 0, planned.status ) << planned.err;
+	EXPECT_TRUE( contains( planned.out, "leg 2: begins with: attach bar to fore" ) ) << planned.out;
+	EXPECT_TRUE( contains( planned.out, "leg 3: begins with: release bar" ) );
+	const Json report = Json::parse( readFile( path( "r.json" ) ) );
+	EXPECT_TRUE( report["good"].get<bool>() );
+	EXPECT_EQ( Json( { "attach bar to fore" } ), report["legs"][1]["scene"] );
+	EXPECT_FALSE( report["legs"][0].contains( "scene" ) );
+	split();
+	const std::string first = "- trajectory: leg0.json\n",
+	                  last = "- trajectory: leg1.json\n- release: bar\n- trajectory: leg2.json\n";
+	const Outcome proved = audit( first + "- {attach: bar, link: fore}\n" + last );
+	EXPECT_EQ( 0, proved.status ) << proved.out << proved.err;
+	// The empty hand's way past the wall is another one, which the bar would not take
+	edit( "q.yaml", changed( held ), "" );
+	edit( "q.yaml", changed( "{object: {id: bar, operation: REMOVE}}" ), "" );
+	ASSERT_EQ( 0, plan().status );
+	split();
+	const Outcome hit = audit( first + "- {attach: bar, link: fore}\n" + last );
+	EXPECT_EQ( 1, hit.status ) << hit.out << hit.err;
+	EXPECT_TRUE( contains( hit.out, "bar" ) && contains( hit.out, "wall" ) ) << hit.out;
+}
+
+TEST_F( CliSequence, OtherCommandsProveItInTheFirstScene )
+{
+	ASSERT_EQ( 0, plan().status );
+	const auto expectRefused = [&]( const Outcome& outcome, const std::vector<std::string>& parts )
+	{
+		EXPECT_EQ( 2, outcome.status ) << outcome.out;
+		for ( const std::string& part : parts )
+		{
+			EXPECT_TRUE( contains( outcome.err, part ) ) << part << " is not in " << outcome.err;
+		}
+	};
+	expectRefused( runModel( "audit", { "--trajectory", "t.json", "--request", "q.yaml", "--no-cache" }, "bar.yaml" ),
+	    { "items", "--steps" } );
+	expectRefused( plan( { "--certificate", "c.lwc" } ), { "--certificate", "items[1]" } );
+	edit( "q.yaml", "{id: bar, operation: REMOVE}", "{id: bahr, operation: REMOVE}" );
+	expectRefused( plan(), { "q.yaml", "items[2].planning_options.planning_scene_diff", "no object bahr", "bar" } );
+}
+
+TEST_F( CliSequence, AllGoalStatesAreTaken )
+{
+	edit( "q.yaml", goal( 1.5707963, 0 ),
+	    "goal_constraints: [{position_constraints: [{link_name: tool, constraint_region: {primitives: [{type: box, "
+	    "dimensions: [0.02, 0.02, 0.02]}], primitive_poses: [{position: [0, 0.7, 0]}]}}]}]" );
+	edit( "q.yaml", changed( held ), "" );
+	edit( "q.yaml", changed( "{object: {id: bar, operation: REMOVE}}" ), "" );
+	const auto goals = [&]( const std::vector<std::string>& more )
+	{
+		const Outcome outcome = plan( more );
+		EXPECT_EQ( 0, outcome.status ) << outcome.err;
+		return Json::parse( readFile( path( "r.json" ) ) )["legs"][0]["goals"].get<int>();
+	};
+	EXPECT_EQ( 1, goals( { "--goal-states", "1" } ) );
+	EXPECT_EQ( 3, goals( { "--goal-states", "3" } ) );
+	EXPECT_LT( 3, goals( {} ) );
+}
