@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pick and place: an arm takes a block from a table and puts it into a shelf. Motions to goals and straight lines are planned together; the block
-joins the robot where it is gripped and leaves it where it stands. Each motion is proved at all times. The picture shows ways and clearances.
+"""Pick and place: an arm takes a block from a table and puts it into a shelf. Motions to goals and straight lines are planned together, in one call; the
+block joins the robot where it is gripped and leaves it where it stands. Each motion is proved at all times. The picture shows ways and clearances.
 
     python 08_pick_and_place.py [OUT.png]
 """
@@ -53,56 +53,49 @@ def line(pose):
     return {"link_name": "hand", "waypoints": [pose]}
 
 
-def plan(name, checker, items, start):
-    motion = checker.plan_sequence(items, start, free_axis=[0, 0, 1], tolerance=1e-3, angle=0.01, speed=0.25, min_d=0.002, seconds=20, seed=1)
-    if not motion.solved:
-        sys.exit(f"{name}: {motion.message}")
-    print(f"{name}: {motion.times[-1]:.2f} s, {len(motion.times)} points, planned in {motion.seconds:.3f} s")
-    return motion
+def change(operation=None, touching=None):
+    """The change of the scene before a motion: the block joins the hand (ADD) or leaves it (REMOVE). From then on it may touch one object, or none."""
+    attached = [{"link_name": "hand", "object": {"id": "block", "operation": operation}}] if operation else []
+    matrix = {"entry_names": ["block", touching], "entry_values": [[False, True], [True, False]]} if touching else {"entry_names": ["block"], "entry_values": [[False]]}
+    return {"planning_scene_diff": {"is_diff": True, "robot_state": {"is_diff": True, "attached_collision_objects": attached}, "allowed_collision_matrix": matrix}}
 
 
 home = [0.0, 0.4, 0.0, 1.2, 0.0, 1.4, 0.0]
-motions = []
-
-# The goal above the block is chosen so that the line down is found from it
-motions.append(plan("to the block", checker, [to(hand_above(FROM, 0.1)), line(hand_above(FROM, 0))], home))
-checkers = [checker]
-
-# From here on the block is a part of the robot. It stands on the table: that contact is allowed until it is lifted
-world.attach("block", "hand", ["hand"], motions[-1].positions[-1])
-checkers.append(world.allow("block", "table"))
-motions.append(plan("lift", checkers[-1], [line(hand_above(FROM, 0.1))], motions[-1].positions[-1]))
-
-# Through the air it touches nothing
-checkers.append(world.allow("block", "table", False))
-motions.append(plan("to the shelf", checkers[-1], [to(hand_above(TO, 0.05))], motions[-1].positions[-1]))
-
-checkers.append(world.allow("block", "board"))
-motions.append(plan("put down", checkers[-1], [line(hand_above(TO, 0))], motions[-1].positions[-1]))
-
-# The block stays, an obstacle again, and the arm goes home
-checkers.append(world.detach("block", motions[-1].positions[-1]))
-motions.append(plan("home", checkers[-1], [line(hand_above(TO, 0.08)), home], motions[-1].positions[-1]))
+legs = {
+    "to the block": to(hand_above(FROM, 0.1)),  # the goal is one from which all later motions are found
+    "down": line(hand_above(FROM, 0)),
+    # from here on the block is a part of the robot; it stands on the table, so that contact is allowed until it is lifted
+    "lift": {"req": line(hand_above(FROM, 0.1)), "planning_options": change("ADD", touching="table")},
+    "to the shelf": {"req": to(hand_above(TO, 0.05)), "planning_options": change()},
+    "put down": {"req": line(hand_above(TO, 0)), "planning_options": change(touching="board")},
+    # the block stays, an obstacle again
+    "up": {"req": line(hand_above(TO, 0.08)), "planning_options": change("REMOVE")},
+    "home": home,
+}
+plan = checker.plan_sequence(list(legs.values()), home, free_axis=[0, 0, 1], tolerance=1e-3, angle=0.01, speed=0.25, min_d=0.002, seconds=20, seed=1)
+if not plan.solved:
+    sys.exit(plan.message)
+print(f"{len(legs)} motions: {plan.times[-1]:.2f} s, {len(plan.times)} points, planned in {plan.seconds:.3f} s")
 
 figure, (side, room) = plt.subplots(1, 2, figsize=(10, 4), constrained_layout=True)
-begin = 0.0
 hand = robot.links.index("hand")
-for motion, checker, name in zip(motions, checkers, ("to the block", "lift", "to the shelf", "put down", "home")):
+for name, checker, (begin, end) in zip(legs, plan.checkers, plan.legs):
+    of_leg = (plan.times > begin - 1e-6) & (plan.times < end + 1e-6)
+    time, position, velocity = plan.times[of_leg], plan.positions[of_leg], plan.velocities[of_leg]
     # dense states of the cubic pieces, for the picture alone
-    h, t = numpy.diff(motion.times)[:, None], numpy.linspace(0, 1, 8, endpoint=False)[:, None, None]
-    p0, p1, v0, v1 = motion.positions[:-1], motion.positions[1:], motion.velocities[:-1], motion.velocities[1:]
+    h, t = numpy.diff(time)[:, None], numpy.linspace(0, 1, 8, endpoint=False)[:, None, None]
+    p0, p1, v0, v1 = position[:-1], position[1:], velocity[:-1], velocity[1:]
     q = (2 * t**3 - 3 * t**2 + 1) * p0 + (t**3 - 2 * t**2 + t) * h * v0 + (3 * t**2 - 2 * t**3) * p1 + (t**3 - t**2) * h * v1
     q = q.transpose(1, 0, 2).reshape(-1, checker.dof)
-    times = begin + (motion.times[:-1] + t[:, :, 0] * h[:, 0]).T.ravel()
+    times = (time[:-1] + t[:, :, 0] * h[:, 0]).T.ravel()
     places = robot.fk(checker.full_state(q)[:, :len(robot.variables)])[:, hand, :3, 3]
     side.plot(places[:, 1], places[:, 2], label=name)
     room.plot(times, 1000 * checker.clearance(q).upper)
-    begin += motion.times[-1]
 for name, (y, z), (w, h) in (("table", (-0.4, 0), (0.3, 0.15)), ("wall", (0.04, 0), (0.02, 0.5)), ("board", (0.2, 0.28), (0.3, 0.02)), ("roof", (0.2, 0.74), (0.3, 0.02))):
     side.add_patch(plt.Rectangle((y, z), w, h, color="lightgray"))
 side.set(title="Way of the hand, seen along x", xlabel="y, m", ylabel="z, m", xlim=(-0.9, 0.65), aspect="equal")
 side.legend(fontsize="small", loc="upper left")
 room.axhline(2, color="gray", linestyle=":")
-room.set(title=f"{begin:.1f} s, every motion proved to keep 2 mm", xlabel="seconds", ylabel="clearance, mm", ylim=(0, None))
+room.set(title=f"{plan.times[-1]:.1f} s, every motion proved to keep 2 mm", xlabel="seconds", ylabel="clearance, mm", ylim=(0, None))
 figure.savefig(out, dpi=64)
 print(f"picture: {out}")

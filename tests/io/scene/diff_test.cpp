@@ -168,6 +168,7 @@ TEST_F( DiffTest, APartThatIsNotSupportedIsDropped )
 	expectRefused( "is_diff: false, " + objects( "id: cup, operation: REMOVE" ), { "is_diff", "false" } );
 	expectRefused( "robot_state: {is_diff: false, attached_collision_objects: [{link_name: hand, object: {id: cup}}]}",
 	    { "robot_state.is_diff" } );
+	EXPECT_EQ( 1u, read( "robot_state: {is_diff: false}, " + objects( "id: cup, operation: REMOVE" ) ).edits.size() );
 	expectRefused( "allowed_collision_matrix: {entry_names: [cup], entry_values: []}", { "allowed_collision_matrix" } );
 	expectError( [&] { read( "", nullptr, "replann: true, " ); }, { "planning_options", "replann", "replan" } );
 }

@@ -25,8 +25,9 @@ public:
 		readAttached( diff["robot_state"] );
 		readMatrix( diff["allowed_collision_matrix"] );
 		readObjects( diff["world"]["collision_objects"] );
-		refuseWhole( diff );
-		refuseWhole( diff["robot_state"] );
+		const YamlNode state = diff["robot_state"];
+		refuseWhole( diff, !m_diff.empty() );
+		refuseWhole( state, state["attached_collision_objects"].size() > 0 );
 	}
 
 	SceneDiff take( std::vector<Notice>& notices )
@@ -57,11 +58,11 @@ private:
 		    { "leeway_articulations" }, "is no change that a motion can bring", "give it in the scene (--scene)" );
 	}
 
-	/// MoveIt replaces what it holds where is_diff is false.
-	void refuseWhole( const YamlNode& message ) const
+	/// MoveIt replaces what it holds where is_diff is false, which is the default of its messages. @param changes the message says something
+	static void refuseWhole( const YamlNode& message, bool changes )
 	{
 		const YamlNode is_diff = message["is_diff"];
-		if ( !m_diff.empty() && is_diff.defined() && !is_diff.boolean() )
+		if ( changes && is_diff.defined() && !is_diff.boolean() )
 		{
 			is_diff.fail( "is false, and a motion changes the scene before it", "give true" );
 		}
@@ -79,6 +80,7 @@ private:
 	void readAttached( const YamlNode& state )
 	{
 		const YamlNode list = state["attached_collision_objects"];
+		checkLimit( &Limits::objects, list.size(), "objects", m_diff.file, list.place() );
 		for ( std::size_t i = 0; i < list.size(); ++i )
 		{
 			const YamlNode node = list[i].named( list[i]["object"]["id"].textOr( "" ) ), object = node["object"];
@@ -110,6 +112,7 @@ private:
 
 	void readObjects( const YamlNode& list )
 	{
+		checkLimit( &Limits::objects, list.size(), "objects", m_diff.file, list.place() );
 		for ( std::size_t i = 0; i < list.size(); ++i )
 		{
 			const YamlNode node = list[i].named( list[i]["id"].textOr( "" ) );
