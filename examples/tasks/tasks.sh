@@ -15,17 +15,18 @@ python3 "$here/seam.py" "$out"
 cp "$here"/*.yaml "$out"
 common=( --min-d 0.002 --no-cache )  # metres that every motion keeps from everything; tables of small robots are not worth their time
 pages=yes
-certified=yes
 leeway view --no-cache --robot "$out/arm.urdf" --out "$out/arm.html" || pages=  # a build of leeway without pages
 
-# plan NAME ROBOT OPTIONS...: the motion, its certificate if it is to have one, and its page if this build of leeway writes pages
+# plan NAME ROBOT OPTIONS...: the motion, its certificates, and its page if this build of leeway writes pages
 plan()
 {
 	local name=$1 model=( --robot "$out/$2.urdf" --scene "$out/$1_scene.yaml" "${common[@]}" )
 	shift 2
 	printf '\n=== %s\n' "$name"
-	leeway plan "${model[@]}" "$@" --trajectory "$out/$name.json" ${certified:+--certificate "$out/$name.lwc"} ${pages:+--view "$out/$name.html"}
-	[ -z "$certified" ] || python3 "$here/../../planners/certify/check_certificate.py" "$out/$name.lwc"
+	leeway plan "${model[@]}" "$@" --trajectory "$out/$name.json" --certificate "$out/$name.lwc" ${pages:+--view "$out/$name.html"}
+	for certificate in "$out/$name".lwc "$out/$name".[0-9].lwc; do
+		[ ! -e "$certificate" ] || python3 "$here/../../planners/certify/check_certificate.py" "$certificate"
+	done
 }
 
 plan tray two_arms --request "$out/tray.yaml"
@@ -35,9 +36,7 @@ lines=()
 while read -r pose; do
 	lines+=( --line "hand=$pose" )
 done <"$out/seam.txt"
-certified=  # a certificate has one scene, and this motion three
-plan pick arm --request "$out/pick.yaml"
-certified=yes
+plan pick arm --request "$out/pick.yaml"  # a certificate for each of its scenes: pick.1.lwc, ...
 plan seam arm "${lines[@]}" --line-tip 0,0,0.12 --free-axis 0,0,1 --any-start --line-blend 0.005
 
 # The files alone, without the planner: constraints and clearances as a controller drives them

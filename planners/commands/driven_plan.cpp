@@ -5,6 +5,8 @@
 #include "commands/plan_solution.hpp"
 #include "motions/report.hpp"
 
+#include <filesystem>
+
 namespace leeway::cli
 {
 
@@ -30,10 +32,23 @@ manifold::Settings requestSettingsOf(
 	return settings;
 }
 
+namespace
+{
+
+/// "leg 2", "legs 3 to 5"
+std::string legsOf( const sequence::Chapter& chapter )
+{
+	return chapter.legs == 1 ? fmt::format( "leg {}", chapter.leg + 1 )
+	                         : fmt::format( "legs {} to {}", chapter.leg + 1, chapter.leg + chapter.legs );
+}
+
+} // namespace
+
 DrivenPlan::DrivenPlan( const PlanOptions& options )
     : m_options( options ), m_timed( "--trajectory", options.trajectory ), m_report( "--report", options.report ),
-      m_certificate( options.certificate ), m_view( options.view )
+      m_view( options.view )
 {
+	m_certificates.emplace_back( options.certificate );
 }
 
 const std::vector<Segment>& DrivenPlan::drive( const io::Problem& problem, const Input& input,
@@ -84,12 +99,39 @@ std::vector<PageInput> DrivenPlan::pages(
 	for ( const sequence::Chapter& chapter : m_chapters )
 	{
 		pages.push_back( page( *chapter.problem, chapter.segments, input, notes ) );
-		pages.back().chapter = m_chapters.size() == 1 ? ""
-		                       : chapter.legs == 1
-		                           ? fmt::format( "leg {}", chapter.leg + 1 )
-		                           : fmt::format( "legs {} to {}", chapter.leg + 1, chapter.leg + chapter.legs );
+		pages.back().chapter = m_chapters.size() == 1 ? "" : legsOf( chapter );
 	}
 	return pages;
+}
+
+bool DrivenPlan::certifyChapters( const Input& input, std::vector<OutputFile*>& files )
+{
+	const bool several = m_chapters.size() > 1 && !m_options.certificate.empty();
+	const std::filesystem::path path = m_options.certificate;
+	bool all = true;
+	for ( std::size_t i = 0; i < m_chapters.size(); ++i )
+	{
+		const sequence::Chapter& chapter = m_chapters[i];
+		if ( several )
+		{
+			std::filesystem::path numbered = path;
+			numbered.replace_extension( std::to_string( i + 1 ) + path.extension().string() );
+			m_certificates.emplace_back( numbered.string() );
+		}
+		std::vector<certify::Piece> pieces;
+		for ( const Segment& segment : chapter.segments )
+		{
+			pieces.push_back( { segment.degree, segment.points, segment.seconds } );
+		}
+		const std::vector<std::string> sources = cli::filesOf( m_options.common, several ? m_options.common.request : "" );
+		CertificateFile& certificate = m_certificates.back();
+		all = certificate.write( *chapter.problem, input, pieces,
+		          claimOf( m_options.common.min_d, m_options.common.checkFlags(), sources ),
+		          several ? fmt::format( "{}, {}", m_name, legsOf( chapter ) ) : m_name, files ) &&
+		      all;
+		m_certified += certificate.told();
+	}
+	return all;
 }
 
 int DrivenPlan::finish( const io::Problem& problem, const Input& input, bool good, const std::string& text,
@@ -100,14 +142,7 @@ int DrivenPlan::finish( const io::Problem& problem, const Input& input, bool goo
 	if ( good )
 	{
 		files.push_back( &m_timed );
-		std::vector<certify::Piece> pieces;
-		for ( const Segment& segment : m_segments )
-		{
-			pieces.push_back( { segment.degree, segment.points, segment.seconds } );
-		}
-		is_certified = m_certificate.write( problem, input, pieces,
-		    claimOf( m_options.common.min_d, m_options.common.checkFlags(), cli::filesOf( m_options.common, "" ) ), m_name,
-		    files );
+		is_certified = certifyChapters( input, files );
 	}
 	if ( !m_options.report.empty() )
 	{
@@ -119,9 +154,8 @@ int DrivenPlan::finish( const io::Problem& problem, const Input& input, bool goo
 		m_view.write( pages( problem, input, notes ), files );
 	}
 	commitTogether( files );
-	const std::string& certified = m_certificate.told();
 	const std::string all =
-	    text + certified + ( certified.empty() || unproved.empty() ? "" : "            " + unproved + "\n" );
+	    text + m_certified + ( m_certified.empty() || unproved.empty() ? "" : "            " + unproved + "\n" );
 	good && !m_options.trajectory.empty() ? printOut( all ) : tell( "{}", all );
 	return good && is_certified ? exit_yes : exit_no;
 }

@@ -10,6 +10,7 @@
 #include "leeway/sequence/sequence.hpp"
 
 #include <functional>
+#include <list>
 
 namespace leeway::cli
 {
@@ -57,9 +58,13 @@ private:
 	std::vector<PageInput> pages(
 	    const io::Problem& problem, const Input& input, const std::vector<std::string>& notes ) const;
 
+	/// A certificate of each chapter. @return false: they are wanted, and one is not there
+	bool certifyChapters( const Input& input, std::vector<OutputFile*>& files );
+
 	const PlanOptions& m_options;
 	OutputFile m_timed, m_report;
-	CertificateFile m_certificate;
+	std::list<CertificateFile> m_certificates; ///< one, until several chapters have one each
+	std::string m_certified;                   ///< lines about them
 	ViewFile m_view;
 	std::vector<Segment> m_segments;
 	std::vector<sequence::Chapter> m_chapters;

@@ -43,19 +43,6 @@ void refuseSingle( const PlanOptions& options )
 	requireLineNumbers( options.line );
 }
 
-/// A certificate is of one scene.
-void refuseCertificate( const PlanOptions& options, const io::PathConstraints& path )
-{
-	for ( const io::SequenceItem& item : path.items )
-	{
-		if ( !options.certificate.empty() && !item.scene.empty() )
-		{
-			refuseOption( "--certificate", "is of one scene, and " + item.element + " changes the scene",
-			    "leave it out: the program proves each leg in its scene" );
-		}
-	}
-}
-
 /// The proofs of each leg's constraints, in the report and in words. @return true: all are kept
 bool tell( const std::vector<std::vector<ConstraintProof>>& legs, Json& json, std::string& text )
 {
@@ -122,7 +109,6 @@ int runSequence( const PlanOptions& options )
 	DrivenPlan driven( options );
 	io::PathConstraints path;
 	Input input = loadInput( options.common, notices, &path );
-	refuseCertificate( options, path );
 	for ( const io::SequenceItem& item : path.items )
 	{
 		notices.add( "the request", item.request.notices );
