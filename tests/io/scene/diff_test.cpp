@@ -232,6 +232,10 @@ TEST_F( DiffTest, FramesStandWhereTheRobotBegan )
 	expectAt( *change( before,
 	              objects( std::string( "id: ball, header: {frame_id: cup}, pose: {position: [0, 0, 1]}, " ) + box ), 0.5 ),
 	    "ball", "", { 0.3, 0, 1.2 } );
+	const std::shared_ptr<const World> holding = change( before, attached( "link_name: hand, object: {id: cup}" ), 0.3 );
+	expectAt( *change( *holding,
+	              objects( std::string( "id: ball, header: {frame_id: cup}, pose: {position: [0, 0, 1]}, " ) + box ), 0.5 ),
+	    "ball", "", { 0.5, 0, 1.2 } );
 	// With shapes of its own: in the frame of its link, or in the named one
 	const std::string own = std::string( "pose: {position: [0, 0, -0.15]}, " ) + box;
 	expectAt( *change( before, attached( "link_name: hand, object: {id: ball, " + own + "}" ), 0.5 ), "ball", "hand",

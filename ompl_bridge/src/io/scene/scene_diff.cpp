@@ -42,8 +42,8 @@ public:
 			break;
 		case SceneEdit::Kind::remove:
 			requireThere( edit );
-			if ( m_attached.count( name ) ==
-			     0 ) // it left the world when it was attached, and MoveIt's examples remove it once more
+			// one that was attached has left the world, and MoveIt's examples remove it once more
+			if ( m_attached.count( name ) == 0 )
 			{
 				requireInWorld( edit );
 				m_world.remove( name );
