@@ -132,6 +132,47 @@ TEST_F( DiffTest, AnObjectIsHeldWhereItWasInAnotherState )
 	EXPECT_EQ( before.problem()->robot.get(), left->problem()->robot.get() );
 }
 
+TEST_F( DiffTest, TouchLinksAreForbiddenToTouch )
+{
+	// A block beside the hand, in the left finger, which moves against the hand
+	const World before( m_robot, {} );
+	const auto selfClearance = [&]( const std::string& touch )
+	{
+		const std::shared_ptr<const World> holding = changed( before,
+		    read( attached( "link_name: hand, touch_links: [" + touch +
+		                    "], object: {id: block, primitives: [{type: box, dimensions: [0.02, 0.1, 0.02]}], "
+		                    "primitive_poses: [{position: [0, 0.15, 0]}]}" ) ),
+		    { 0, 0, 0 } );
+		const std::shared_ptr<const Problem> problem = holding->problem();
+		const Query query = makeQuery( problem->checker.get() );
+		const double q[3] = { 0, 0, 0 };
+		lw_state_result state;
+		require( lw_checker_state( problem->checker.get(), query.get(), q, LW_CHECK_SELF, nullptr, false, &state ), "" );
+		return state.self.lower;
+	};
+	EXPECT_EQ( 0, selfClearance( "" ) );
+	EXPECT_EQ( 0, selfClearance( "right" ) );
+	EXPECT_GT( selfClearance( "left" ), 0.05 );
+}
+
+TEST_F( DiffTest, ShapesAreBuiltForEachBranch )
+{
+	const World before = world();
+	const std::string grasp = attached( "link_name: hand, object: {id: cup}" );
+	const auto held = []( const World& of )
+	{
+		const lw_robot* robot = of.problem()->robot.get();
+		return lw_robot_body( robot, lw_robot_body_count( robot ) - 1 ).shape;
+	};
+	const lw_shape* cup = lw_scene_shape( before.problem()->scene.get(), 0 ).shape;
+	EXPECT_EQ( cup, held( *change( before, grasp, 0.1 ) ) );
+	const std::shared_ptr<const World> other = change( before, grasp, 0.2 );
+	EXPECT_EQ( cup, held( *other ) );
+	const std::shared_ptr<const World> left = change( *other, attached( "object: {id: cup, operation: REMOVE}" ), 0 );
+	const lw_scene* scene = left->problem()->scene.get();
+	EXPECT_EQ( cup, lw_scene_shape( scene, lw_scene_shape_count( scene ) - 1 ).shape );
+}
+
 TEST_F( DiffTest, OperationsOfOtherPrintersAreNotRead )
 {
 	for ( const char* remove : { "1", "\"\\x01\"", "REMOVE", "remove" } )
