@@ -422,6 +422,11 @@ private:
 		if ( !m_mend.empty() )
 		{
 			mended = drive( m_walker, m_manifold, m_mend, m_settings.limits, false, 0 );
+			if ( mended.segments.empty() )
+			{
+				m_result.outcome = Outcome::NOT_DRIVEN;
+				return;
+			}
 			const motions::Segment& last = mended.segments.back();
 			m_result.mended = last.begin + last.seconds;
 			from = std::llround( 1e9 * m_result.mended );
