@@ -411,6 +411,23 @@ private:
 		return ( way.back().last() - last.last() ).cwiseAbs().maxCoeff() < 1e-6;
 	}
 
+	/// The start, which is free and keeps the constraints, is a goal: it is held for no time, or where its mending ends.
+	Driven standing( std::int64_t begin ) const
+	{
+		Driven out;
+		out.proved = true;
+		if ( m_mend.empty() )
+		{
+			motions::Segment held{ 1e-9 * static_cast<double>( begin ), 0, 3, {} };
+			for ( unsigned i = 0; i <= held.degree; ++i )
+			{
+				held.points.insert( held.points.end(), m_start.data(), m_start.data() + m_start.size() );
+			}
+			out.segments.push_back( std::move( held ) );
+		}
+		return out;
+	}
+
 	void finish( const std::vector<Piece>& path )
 	{
 		const double begin = m_clock.seconds();
@@ -431,7 +448,8 @@ private:
 			m_result.mended = last.begin + last.seconds;
 			from = std::llround( 1e9 * m_result.mended );
 		}
-		Driven driven = drive( m_walker, m_manifold, path, m_settings.limits, true, from );
+		const bool stays = !( lengthOf( path ) > 0 );
+		Driven driven = stays ? standing( from ) : drive( m_walker, m_manifold, path, m_settings.limits, true, from );
 		m_result.rests = driven.rests;
 		m_result.segments = mended.segments;
 		m_result.segments.insert( m_result.segments.end(), driven.segments.begin(), driven.segments.end() );

@@ -307,7 +307,7 @@ TrajectoryFile endsOf( const io::Problem& problem, const std::vector<Segment>& s
 		for ( std::size_t v = 0; v < count; ++v )
 		{
 			point.positions.push_back( at[v] );
-			point.velocities.push_back( 3 * ( to[v] - from[v] ) / seconds + 0.0 );
+			point.velocities.push_back( seconds > 0 ? 3 * ( to[v] - from[v] ) / seconds + 0.0 : 0 );
 		}
 		out.points.push_back( std::move( point ) );
 	};
@@ -316,7 +316,7 @@ TrajectoryFile endsOf( const io::Problem& problem, const std::vector<Segment>& s
 	for ( const Segment& segment : segments )
 	{
 		const double* end = segment.points.data() + 3 * count;
-		add( end, end - count, end, segment.seconds, segment.begin + segment.seconds );
+		segment.seconds > 0 ? add( end, end - count, end, segment.seconds, segment.begin + segment.seconds ) : void();
 	}
 	return out;
 }

@@ -88,6 +88,26 @@ TEST( ConstrainedPlan, AStartThatBreaksThemIsTaken )
 	EXPECT_GT( world.worst( mended.segments, 50 ), 0.1 );
 }
 
+TEST( ConstrainedPlan, AGoalWhereTheRobotStandsIsRefused )
+{
+	ManifoldWorld world( sevenAxisArm() );
+	world.keepOrientation( "hand", before, { 0.1, 0.1, any } );
+	planBetween( world, before, before );
+	const manifold::Result r = world.plan();
+	ASSERT_TRUE( r.solved() ) << manifold::describe( r );
+	ASSERT_EQ( r.segments.size(), 1u );
+	EXPECT_EQ( r.segments[0].seconds, 0 );
+	EXPECT_EQ( Vector( r.segments[0].points.begin(), r.segments[0].points.begin() + 7 ), world.task.start );
+	EXPECT_LE( world.worst( r.segments, 2 ), 0 );
+	// a start that is mended into the goal has that motion alone
+	world.task.start[5] += 0.4;
+	world.task.mend_start = true;
+	world.task.goals = { kept( world, world.task.start ) };
+	const manifold::Result mended = world.plan();
+	ASSERT_TRUE( mended.solved() ) << manifold::describe( mended );
+	EXPECT_GT( mended.mended, 0 );
+}
+
 TEST( ConstrainedPlan, AGoalThatBreaksThemIsTaken )
 {
 	ManifoldWorld world( sevenAxisArm() );
