@@ -132,14 +132,14 @@ static bool depth_of_round( const lw_shape* a, const lw_transform* world_from_a,
 	double error;
 	const lwi_tri_result r = lwi_round_distance( a, world_from_a, b, world_from_b, &error );
 	*only = a->type == LW_SHAPE_SPHERE || b->type == LW_SHAPE_SPHERE; // two segments may be parallel
-	out->kind = r.distance - error > radii ? LW_DEPTH_APART : LW_DEPTH_OVERLAP;
-	if ( out->kind == LW_DEPTH_APART )
+	if ( r.distance - error > radii )
 	{
-		out->upper = 0;
+		*out = ( lw_depth ){ .kind = LW_DEPTH_APART };
 		return true;
 	}
 	if ( !( r.distance > error ) && ( a->primitive || b->primitive ) )
 	{
+		out->kind = LW_DEPTH_OVERLAP;
 		const lw_vec3 between = lwi_sub( lwi_load( world_from_b->t ), lwi_load( world_from_a->t ) );
 		*only = a->primitive
 					? depth_in_primitive( b, r.point_b, a, world_from_a, lwi_v3( 0, 0, 0 ), error, longer, out, false )
@@ -152,6 +152,7 @@ static bool depth_of_round( const lw_shape* a, const lw_transform* world_from_a,
 	}
 	const lw_vec3 way = lwi_sub( r.point_a, r.point_b );
 	const double length = lwi_length( way );
+	out->kind = LW_DEPTH_OVERLAP;
 	out->normal = lwi_v3( way.x / length, way.y / length, way.z / length );
 	out->upper = radii - r.distance + error;
 	out->lower = lwi_larger( 0, radii - r.distance - error );
@@ -185,7 +186,7 @@ static lw_transform inverse_of( const lw_transform* m )
 bool lwi_depth( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
 	const lw_depth_def* def, double longer, lw_depth* out )
 {
-	const lw_transform own = { { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, { 0, 0, 0 } };
+	const lw_transform own = lw_transform_identity();
 	bool only = false;
 	*out = ( lw_depth ){ .kind = LW_DEPTH_OVERLAP };
 	if ( a->family == LWI_UNBOUNDED )
@@ -248,7 +249,6 @@ lw_status lw_shape_depth( const lw_shape* a, const lw_transform* world_from_a, c
 		out->point_b = apart ? out->point_b : lwi_add( out->point_b, lwi_load( pose_a->t ) );
 		return LW_OK;
 	}
-	*out = ( lw_depth ){ .upper = INFINITY };
 	lw_status status = LW_OK;
 	const lw_shape* made_a = lwi_shape_made( a, &status, NULL );
 	const lw_shape* made_b = status == LW_OK ? lwi_shape_made( b, &status, NULL ) : NULL;

@@ -153,6 +153,23 @@ typedef struct lwi_waiting
 	double measured; ///< least clearance of the pair so far; +inf: none yet
 } lwi_waiting;
 
+/// The largest |coordinate|.
+static inline double lwi_largest3( lw_vec3 v )
+{
+	return lwi_larger( fabs( v.x ), lwi_larger( fabs( v.y ), fabs( v.z ) ) );
+}
+
+/// Reach of the geometry about the tree's origin, or about the shape's if it is a primitive.
+static inline double lwi_extent_of( const lw_shape* shape )
+{
+	if ( shape->family == LWI_UNBOUNDED )
+	{
+		return 0; // distances from it are those of the other's points along its normal
+	}
+	return shape->primitive ? shape->sphere_radius + lwi_largest3( lwi_load( shape->sphere_center ) )
+							: (double)shape->extent;
+}
+
 static inline void lwi_update_limit( lwi_searching* s )
 {
 	double limit = s->bound->cutoff + s->radii;

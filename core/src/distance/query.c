@@ -5,21 +5,6 @@
 /// Largest entry of |r r^T - 1| of a rotation that is taken as it is: products of rounded sines and cosines.
 #define ALREADY_ORTHONORMAL ( 8.0 * LWI_U64 )
 
-static double max_abs3( const double v[3] )
-{
-	return lwi_larger( fabs( v[0] ), lwi_larger( fabs( v[1] ), fabs( v[2] ) ) );
-}
-
-/// Reach of the geometry about the tree's origin, or about the shape's if it is a primitive.
-static double extent_of( const lw_shape* shape )
-{
-	if ( shape->family == LWI_UNBOUNDED )
-	{
-		return 0; // distances from it are those of the other's points along its normal
-	}
-	return shape->primitive ? shape->sphere_radius + max_abs3( shape->sphere_center ) : (double)shape->extent;
-}
-
 static lwi_motion motion_of( const lw_transform* m )
 {
 	lwi_motion out;
@@ -49,7 +34,8 @@ static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a,
 	s.trees = s.obbs = s.has_direction = s.shared.known = false;
 	s.radii =
 		( a->family == LWI_TRIANGLES ? a->radius : 0 ) + ( b->family == LWI_TRIANGLES ? b->radius : 0 ) + bound->margin;
-	double reach = max_abs3( a->origin ) + max_abs3( b->origin ) + max_abs3( a_from_b->t ) + extent_of( a ) + extent_of( b );
+	double reach = lwi_largest3( lwi_load( a->origin ) ) + lwi_largest3( lwi_load( b->origin ) ) +
+				   lwi_largest3( lwi_load( a_from_b->t ) ) + lwi_extent_of( a ) + lwi_extent_of( b );
 	s.error = LWI_EXACT_ERROR * reach;
 	return s;
 }
@@ -76,7 +62,8 @@ static void place_trees( lwi_searching* s )
 	s->from_other[LWI_A] = motion_of( &tree );
 	s->from_other[LWI_B] = motion_of( &inverse );
 	// moving the origins themselves rounds too: by doubles, of the coordinates of origins and poses
-	s->slack = lwi_gap_slack( lwi_length( lwi_load( tree.t ) ) + 2 * ( extent_of( s->a ) + extent_of( s->b ) ) ) + s->error;
+	s->slack =
+		lwi_gap_slack( lwi_length( lwi_load( tree.t ) ) + 2 * ( lwi_extent_of( s->a ) + lwi_extent_of( s->b ) ) ) + s->error;
 	const bool filled = lwi_is_filled( s->bound, s->a ) || lwi_is_filled( s->bound, s->b );
 	s->least = filled ? s->error + s->radii - s->bound->margin : -INFINITY;
 	lwi_update_limit( s );

@@ -8,16 +8,10 @@ typedef struct segment
 	lw_vec3 end[3]; ///< the second end twice, as triangles have it; of a sphere all are one point
 } segment;
 
-static double largest_of( lw_vec3 v )
-{
-	return lwi_larger( fabs( v.x ), lwi_larger( fabs( v.y ), fabs( v.z ) ) );
-}
-
 /// Metres: no coordinate of the shape in its own frame is larger.
 static double reach_of( const lw_shape* shape )
 {
-	return shape->primitive ? shape->sphere_radius + largest_of( lwi_load( shape->sphere_center ) )
-							: largest_of( lwi_load( shape->origin ) ) + (double)shape->extent;
+	return lwi_largest3( lwi_load( shape->origin ) ) + lwi_extent_of( shape );
 }
 
 static segment segment_of( const lw_shape* shape, const lw_transform* pose, lw_vec3 shift )
@@ -48,7 +42,7 @@ lwi_tri_result lwi_round_distance( const lw_shape* a, const lw_transform* world_
 	const lw_transform* world_from_b, double* error )
 {
 	const lw_vec3 between = lwi_sub( lwi_load( world_from_b->t ), lwi_load( world_from_a->t ) ), here = { 0, 0, 0 };
-	const double scale = reach_of( a ) + reach_of( b ) + largest_of( between );
+	const double scale = reach_of( a ) + reach_of( b ) + lwi_largest3( between );
 	*error = LWI_EXACT_ERROR * scale;
 	lwi_tri_result out;
 	if ( !a->primitive && !b->primitive )

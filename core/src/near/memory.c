@@ -3,8 +3,6 @@
 // one begins with its nearest triangles and the front of its last search. Method and proof: core/docs/near.md.
 #include "near/near.h"
 #include "base/math_inline.h"
-#include "checker/pose.h"
-#include "scene/scene.h"
 
 #include <string.h>
 
@@ -150,17 +148,10 @@ static near_pair meet( const lw_checker* checker, lw_query* query, const lwi_nea
 {
 	const uint32_t stride = ( bodies->self ? checker->base->body_block_count : checker->scene->block_count ) * LWI_WIDTH;
 	const uint32_t key = bodies->a * stride + bodies->b + ( bodies->self ? OF_SELF : 0 );
-	near_pair p = { checker, query, bodies, checker->base->bodies[bodies->a].shape,
-		bodies->self ? checker->base->bodies[bodies->b].shape : checker->scene->shapes[bodies->b].shape,
-		&query->cache.near[( key * 2654435769u ) >> ( 32 - LWI_NEAR_BITS )], stride, INFINITY, false };
-	lwi_pose_body( checker, query, bodies->a );
-	if ( bodies->self )
-	{
-		lwi_pose_body( checker, query, bodies->b );
-	}
-	const lw_transform* pose_b =
-		bodies->self ? &query->pose.world_from_body[bodies->b] : &checker->scene->shapes[bodies->b].world_from_shape;
-	const lw_transform a_from_b = lwi_relative( &query->pose.world_from_body[bodies->a], pose_b );
+	const lwi_near_place at = lwi_near_place_of( checker, query, bodies );
+	near_pair p = { checker, query, bodies, at.a, at.b, &query->cache.near[( key * 2654435769u ) >> ( 32 - LWI_NEAR_BITS )],
+		stride, INFINITY, false };
+	const lw_transform a_from_b = lwi_relative( at.pose_a, at.pose_b );
 	lwi_near_memory* m = p.memory;
 	const bool seen = query->search.def.warm_start && m->bindings == query->pose.bindings && m->key == key;
 	if ( seen )

@@ -3,9 +3,7 @@
 // hulls and tables prove to be farther are never looked at, as in the search for the nearest one. Method: core/docs/near.md.
 #include "near/near.h"
 #include "base/math_inline.h"
-#include "checker/pose.h"
 #include "depth/depth.h"
-#include "scene/scene.h"
 
 #include <string.h>
 
@@ -224,45 +222,40 @@ static void lower( double* out, double value )
 /// Metres, relative to the size of both bodies: nearest points that are nearer to each other are the same.
 #define SAME_POINT 1e-7
 
-/// The shapes of a row, and their poses relative to each other.
-static lw_transform shapes_of( const near_search* s, const lw_near_pair* row, const lw_shape** a, const lw_shape** b )
+static lwi_near_place place_of( const near_search* s, const lw_near_pair* row )
 {
-	const lw_checker* c = s->checker;
-	*a = c->base->bodies[row->body_a].shape;
-	*b = row->self ? c->base->bodies[row->body_b].shape : c->scene->shapes[row->body_b].shape;
-	const lw_transform* pose_b =
-		row->self ? &s->query->pose.world_from_body[row->body_b] : &c->scene->shapes[row->body_b].world_from_shape;
-	return lwi_relative( &s->query->pose.world_from_body[row->body_a], pose_b );
+	const lwi_near_bodies bodies = { row->body_a, row->body_b, row->self };
+	return lwi_near_place_of( s->checker, s->query, &bodies );
 }
 
 /// Searches a pair again for other points that are as near.
 static bool is_tied( near_search* s, const lwi_bound* bound, const lw_near_pair* row, lw_vec3 normal )
 {
-	const lw_shape *a, *b;
-	const lw_transform relative = shapes_of( s, row, &a, &b );
+	const lwi_near_place at = place_of( s, row );
+	const lw_transform relative = lwi_relative( at.pose_a, at.pose_b );
 	const double distance = lwi_distance( bound->point_a, bound->point_b );
 	lwi_ties ties = { .width = s->def->tie_width,
-		.apart = SAME_POINT * fmin( a->sphere_radius, b->sphere_radius ),
+		.apart = SAME_POINT * fmin( at.a->sphere_radius, at.b->sphere_radius ),
 		.limit = distance + s->def->tie_width,
 		.point_a = bound->point_a,
 		.point_b = bound->point_b,
 		.normal = normal };
 	lwi_bound again = bound_of( s, bound->margin );
 	again.ties = &ties;
-	lwi_search( &s->query->search, a, b, &relative, &again );
+	lwi_search( &s->query->search, at.a, at.b, &relative, &again );
 	return ties.found;
 }
 
 /// Gives a pair in contact its depth, if it has one.
 static void find_depth( near_search* s, const lwi_bound* bound, lw_near_pair* row )
 {
-	const lw_shape *a, *b;
-	const lw_transform relative = shapes_of( s, row, &a, &b );
+	const lwi_near_place at = place_of( s, row );
+	const lw_transform relative = lwi_relative( at.pose_a, at.pose_b );
 	lw_depth_def def = lw_depth_def_default();
 	def.steps = s->def->depth_steps;
 	lw_depth depth;
-	const bool only =
-		lwi_depth( &s->query->search, lwi_shape_now( a ), lwi_shape_now( b ), &relative, &def, s->def->tie_width, &depth );
+	const bool only = lwi_depth( &s->query->search, lwi_shape_now( at.a ), lwi_shape_now( at.b ), &relative, &def,
+		s->def->tie_width, &depth );
 	if ( depth.kind != LW_DEPTH_OVERLAP )
 	{
 		return;
@@ -282,30 +275,20 @@ static void find_depth( near_search* s, const lwi_bound* bound, lw_near_pair* ro
 /// @return false: it has none, or ties are asked for
 static bool look_at_round( near_search* s, const lwi_near_bodies* bodies, lwi_bound* bound, lw_near_pair* row )
 {
-	const lw_checker* c = s->checker;
-	const lw_shape* a = c->base->bodies[bodies->a].shape;
-	const lw_shape* b = bodies->self ? c->base->bodies[bodies->b].shape : c->scene->shapes[bodies->b].shape;
-	if ( s->def->tie_width > 0 || !lwi_have_closed_form( a, b ) )
+	const lwi_near_place at = lwi_near_place_of( s->checker, s->query, bodies );
+	if ( s->def->tie_width > 0 || !lwi_have_closed_form( at.a, at.b ) )
 	{
 		return false;
 	}
-	lwi_pose_body( c, s->query, bodies->a );
-	if ( bodies->self )
-	{
-		lwi_pose_body( c, s->query, bodies->b );
-	}
-	const lw_transform* pose_a = &s->query->pose.world_from_body[bodies->a];
-	const lw_transform* pose_b =
-		bodies->self ? &s->query->pose.world_from_body[bodies->b] : &c->scene->shapes[bodies->b].world_from_shape;
 	bound->margin = -bound->range.min_d;
-	if ( !lwi_search_round( &s->query->search, a, pose_a, b, pose_b, bound ) )
+	if ( !lwi_search_round( &s->query->search, at.a, at.pose_a, at.b, at.pose_b, bound ) )
 	{
 		return false;
 	}
 	s->query->search.stats.queries++;
 	row->clearance = lwi_bound_result( bound );
-	row->clearance.point_a = lwi_add( bound->point_a, lwi_load( pose_a->t ) );
-	row->clearance.point_b = lwi_add( bound->point_b, lwi_load( pose_a->t ) );
+	row->clearance.point_a = lwi_add( bound->point_a, lwi_load( at.pose_a->t ) );
+	row->clearance.point_b = lwi_add( bound->point_b, lwi_load( at.pose_a->t ) );
 	return true;
 }
 

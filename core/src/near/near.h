@@ -5,7 +5,9 @@
 #define LEEWAY_NEAR_NEAR_H
 
 #include "checker/checker.h"
+#include "checker/pose.h"
 #include "leeway/near.h"
+#include "scene/scene.h"
 
 LW_EXTERN_C_BEGIN
 
@@ -14,6 +16,34 @@ typedef struct lwi_near_bodies
 	uint32_t a, b; ///< body of the robot; shape of the scene, or body if `self`
 	bool self;
 } lwi_near_bodies;
+
+/// The shapes of a pair, and their poses in the world.
+typedef struct lwi_near_place
+{
+	const lw_shape *a, *b;
+	const lw_transform *pose_a, *pose_b;
+} lwi_near_place;
+
+/// Those of the posed state.
+static inline lwi_near_place lwi_near_place_of( const lw_checker* checker, lw_query* query, const lwi_near_bodies* bodies )
+{
+	lwi_near_place out;
+	lwi_pose_body( checker, query, bodies->a );
+	out.a = checker->base->bodies[bodies->a].shape;
+	out.pose_a = &query->pose.world_from_body[bodies->a];
+	if ( bodies->self )
+	{
+		lwi_pose_body( checker, query, bodies->b );
+		out.b = checker->base->bodies[bodies->b].shape;
+		out.pose_b = &query->pose.world_from_body[bodies->b];
+	}
+	else
+	{
+		out.b = checker->scene->shapes[bodies->b].shape;
+		out.pose_b = &checker->scene->shapes[bodies->b].world_from_shape;
+	}
+	return out;
+}
 
 /// A bound for one pair at the posed state. @param range min_d is minus the margin: contact ends the search
 lwi_bound lwi_near_bound( const lw_query* query, const lw_range* range );
