@@ -54,8 +54,7 @@ DrivenPlan::DrivenPlan( const PlanOptions& options )
 const std::vector<Segment>& DrivenPlan::drive( const io::Problem& problem, const Input& input,
     const std::vector<Segment>& segments, const JointLimits& limits, const std::string& name, const Chapters& chapters )
 {
-	const TrajectoryFile file =
-	    segments.empty() ? standingAt( problem, io::startState( problem ) ) : endsOf( problem, segments );
+	const TrajectoryFile file = endsOf( problem, segments, io::startState( problem ) );
 	TrajectorySettings settings;
 	settings.edge.min_d = m_options.common.min_d;
 	settings.edge.flags = m_options.common.checkFlags();

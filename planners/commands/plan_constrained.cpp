@@ -93,7 +93,7 @@ Json reportOf( const manifold::Result& plan, const std::vector<ConstraintProof>&
 	{
 		json["path"] = { { "length", plan.length }, { "raw_length", plan.raw_length }, { "straight", plan.straight },
 		    { "bent", plan.bent }, { "rests", plan.rests } };
-		json["duration"] = plan.segments.back().begin + plan.segments.back().seconds;
+		json["duration"] = plan.segments.empty() ? 0 : plan.segments.back().begin + plan.segments.back().seconds;
 		json["mended"] = plan.mended;
 	}
 	json["path_constraints"] = Json::array();

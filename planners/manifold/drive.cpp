@@ -433,11 +433,11 @@ Driven drive( Walker& walker, Manifold& manifold, const std::vector<Piece>& piec
 {
 	Driving driving( walker, manifold, pieces, keeps );
 	Driven driven;
-	if ( driving.empty() || !driving.prove() )
+	driven.proved = driving.empty() || driving.prove();
+	if ( driving.empty() || !driven.proved )
 	{
 		return driven;
 	}
-	driven.proved = true;
 	driving.shareTime( limits );
 	driven.segments = driving.timed( limits, begin );
 	driven.rests = driving.rests();

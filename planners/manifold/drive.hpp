@@ -16,7 +16,7 @@ struct Driven
 	std::size_t rests = 0; ///< between both ends
 };
 
-/// @param pieces one or more, each begins where the one before ends
+/// @param pieces each begins where the one before ends; none: proved, without segments
 /// @param keeps false: only clearances are proved
 /// @param begin nanoseconds of the first segment
 Driven drive( Walker& walker, Manifold& manifold, const std::vector<Piece>& pieces, const motions::MotionLimits& limits,

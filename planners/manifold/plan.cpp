@@ -64,14 +64,15 @@ public:
 		if ( takeStart() && takeGoals() )
 		{
 			std::vector<Piece> path;
-			m_result.outcome = ( m_is_free ? goStraight( path ) || searchFreely( path ) : search( path ) )
-			                       ? Outcome::SOLVED
-			                       : Outcome::TIMED_OUT;
+			const bool found = standsAtGoal() || ( m_is_free ? goStraight( path ) || searchFreely( path ) : search( path ) );
+			m_result.outcome = found ? Outcome::SOLVED : Outcome::TIMED_OUT;
 			m_result.search_seconds = m_clock.seconds();
 			if ( m_result.solved() )
 			{
 				m_result.raw_length = lengthOf( path );
-				m_free_path.isFound() ? m_free_path.smooth( m_settings, stopOf(), path ) : shorten( path );
+				m_free_path.isFound() ? m_free_path.smooth( m_settings, stopOf(), path )
+				: path.empty()        ? void()
+				                      : shorten( path );
 				m_result.length = lengthOf( path );
 				m_result.shortcut_seconds = m_clock.seconds() - m_result.search_seconds;
 				finish( path );
@@ -248,6 +249,16 @@ private:
 	}
 
 	/// A straight motion to a goal.
+	bool standsAtGoal() const
+	{
+		bool stands = false;
+		for ( std::size_t goal = 0; goal < m_trees[1].size(); ++goal )
+		{
+			stands = stands || m_trees[1].state( goal ) == m_start;
+		}
+		return stands;
+	}
+
 	bool goStraight( std::vector<Piece>& path )
 	{
 		for ( std::size_t goal = 0; goal < m_trees[1].size(); ++goal )
@@ -411,23 +422,6 @@ private:
 		return ( way.back().last() - last.last() ).cwiseAbs().maxCoeff() < 1e-6;
 	}
 
-	/// The start, which is free and keeps the constraints, is a goal: it is held for no time, or where its mending ends.
-	Driven standing( std::int64_t begin ) const
-	{
-		Driven out;
-		out.proved = true;
-		if ( m_mend.empty() )
-		{
-			motions::Segment held{ 1e-9 * static_cast<double>( begin ), 0, 3, {} };
-			for ( unsigned i = 0; i <= held.degree; ++i )
-			{
-				held.points.insert( held.points.end(), m_start.data(), m_start.data() + m_start.size() );
-			}
-			out.segments.push_back( std::move( held ) );
-		}
-		return out;
-	}
-
 	void finish( const std::vector<Piece>& path )
 	{
 		const double begin = m_clock.seconds();
@@ -439,17 +433,10 @@ private:
 		if ( !m_mend.empty() )
 		{
 			mended = drive( m_walker, m_manifold, m_mend, m_settings.limits, false, 0 );
-			if ( mended.segments.empty() )
-			{
-				m_result.outcome = Outcome::NOT_DRIVEN;
-				return;
-			}
-			const motions::Segment& last = mended.segments.back();
-			m_result.mended = last.begin + last.seconds;
+			m_result.mended = mended.segments.empty() ? 0 : mended.segments.back().begin + mended.segments.back().seconds;
 			from = std::llround( 1e9 * m_result.mended );
 		}
-		const bool stays = !( lengthOf( path ) > 0 );
-		Driven driven = stays ? standing( from ) : drive( m_walker, m_manifold, path, m_settings.limits, true, from );
+		Driven driven = drive( m_walker, m_manifold, path, m_settings.limits, true, from );
 		m_result.rests = driven.rests;
 		m_result.segments = mended.segments;
 		m_result.segments.insert( m_result.segments.end(), driven.segments.begin(), driven.segments.end() );

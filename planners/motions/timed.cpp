@@ -293,7 +293,8 @@ TrajectoryFile timedPath( const io::Problem& problem, const std::vector<std::vec
 	return out;
 }
 
-TrajectoryFile endsOf( const io::Problem& problem, const std::vector<Segment>& segments )
+TrajectoryFile endsOf(
+    const io::Problem& problem, const std::vector<Segment>& segments, const std::vector<double>& standing )
 {
 	const std::size_t count = problem.variable_names.size();
 	TrajectoryFile out;
@@ -307,28 +308,22 @@ TrajectoryFile endsOf( const io::Problem& problem, const std::vector<Segment>& s
 		for ( std::size_t v = 0; v < count; ++v )
 		{
 			point.positions.push_back( at[v] );
-			point.velocities.push_back( seconds > 0 ? 3 * ( to[v] - from[v] ) / seconds + 0.0 : 0 );
+			point.velocities.push_back( 3 * ( to[v] - from[v] ) / seconds + 0.0 );
 		}
 		out.points.push_back( std::move( point ) );
 	};
+	if ( segments.empty() )
+	{
+		add( standing.data(), standing.data(), standing.data(), 1, 0 );
+		return out;
+	}
 	const double* begin = segments.front().points.data();
 	add( begin, begin, begin + count, segments.front().seconds, 0 );
 	for ( const Segment& segment : segments )
 	{
 		const double* end = segment.points.data() + 3 * count;
-		segment.seconds > 0 ? add( end, end - count, end, segment.seconds, segment.begin + segment.seconds ) : void();
+		add( end, end - count, end, segment.seconds, segment.begin + segment.seconds );
 	}
-	return out;
-}
-
-TrajectoryFile standingAt( const io::Problem& problem, const std::vector<double>& state )
-{
-	TrajectoryFile out;
-	out.file = "the path";
-	out.joint_names = problem.variable_names;
-	out.points.resize( 1 );
-	out.points.front().positions = state;
-	out.points.front().velocities.assign( state.size(), 0 );
 	return out;
 }
 

@@ -379,29 +379,12 @@ private:
 	/// Time for a motion: half of the rest while other goals of earlier legs wait.
 	double share( bool last_choice ) const { return std::max( last_choice ? left() : left() / 2, 0.0 ); }
 
-	/// True if the robot has come to one of the goals, as where it only lets go of a part, and may be there.
-	bool staysAt( const State& start, const std::vector<State>& goals, const Scene& scene, const Leg& leg ) const
-	{
-		if ( std::find( goals.begin(), goals.end(), start ) == goals.end() )
-		{
-			return false;
-		}
-		manifold::Manifold manifold( m_robot, *scene.problem, leg.path );
-		return manifold.violations( start.data() ).empty() &&
-		       blockedBy( *scene.problem, start, m_settings.edge, leg ).empty();
-	}
-
 	bool move( std::size_t index, const State& start, const Scene& scene, const std::vector<State>& goals, bool last_choice,
 	    Step& step )
 	{
 		const std::size_t leg = m_units[index].first;
 		step.unit = index;
 		step.scene = &scene;
-		step.end = start;
-		if ( staysAt( start, goals, scene, m_legs[leg] ) )
-		{
-			return true;
-		}
 		manifold::Task task;
 		task.start = start;
 		task.goals = goals;

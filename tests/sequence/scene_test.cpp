@@ -352,6 +352,19 @@ TEST( SequenceScene, ALegThatGoesNowhereIsNotProved )
 	EXPECT_FALSE( world.plan().solved );
 }
 
+TEST( SequenceScene, AGoalWithinRoundingOfTheStateIsNotReached )
+{
+	HandWorld world( bar_and_post );
+	world.toGoals( { { 1, 0 } } );
+	world.toGoals( { { 1 + 1e-15, 0 } } );
+	world.toGoals( { { 0.5, 0 } } );
+	const sequence::Result r = world.plan();
+	ASSERT_TRUE( r.solved ) << sequence::describe( r );
+	EXPECT_EQ( 0u, r.legs[1].count );
+	EXPECT_EQ( r.segments.size(), r.legs[0].count + r.legs[2].count );
+	EXPECT_TRUE( world.audit( r ).valid() );
+}
+
 TEST( SequenceScene, AHeldPartIsNoLinkOfALine )
 {
 	// Behind the grasp the part itself goes along a line; before, it is an object of the world, and no link

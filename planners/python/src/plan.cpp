@@ -400,8 +400,8 @@ struct PointArrays
 };
 
 /// Points of the trajectory, proved as its reader drives it.
-nb::object planOf( const PyChecker& checker, const manifold::Result& plan, const io::PathConstraints& path,
-    const motions::TrajectorySettings& as_driven )
+nb::object planOf( const PyChecker& checker, const manifold::Result& plan, const std::vector<double>& start,
+    const io::PathConstraints& path, const motions::TrajectorySettings& as_driven )
 {
 	const std::size_t count = checker.variables();
 	motions::TrajectoryFile file;
@@ -410,7 +410,7 @@ nb::object planOf( const PyChecker& checker, const manifold::Result& plan, const
 	if ( solved )
 	{
 		const io::Problem& problem = *checker.problem;
-		file = motions::endsOf( problem, plan.segments );
+		file = motions::endsOf( problem, plan.segments, start );
 		const std::vector<motions::Segment> segments =
 		    motions::segmentsOf( problem, file, motions::Interpolation::automatic, 0 );
 		const motions::TrajectoryAudit audit =
@@ -453,7 +453,7 @@ nb::object planRequest( const PyChecker& checker, const nb::object& request, con
 	    },
 	    [&stopped] { stopped = true; } );
 	requireUsable( plan, asked.request.file );
-	return planOf( checker, plan, asked.path, as_driven );
+	return planOf( checker, plan, task.start, asked.path, as_driven );
 }
 
 // ---- sequences -------------------------------------------------------------------------------------------------------
@@ -561,7 +561,7 @@ nb::object sequenceOf( const PyChecker& checker, const io::PathConstraints& path
 	bool solved = plan.solved;
 	if ( solved )
 	{
-		file = plan.segments.empty() ? motions::standingAt( problem, start ) : motions::endsOf( problem, plan.segments );
+		file = motions::endsOf( problem, plan.segments, start );
 		const std::vector<motions::Segment> segments =
 		    motions::segmentsOf( problem, file, motions::Interpolation::automatic, 0 );
 		chapters = chaptersOf( checker, world, steps, plan, segments, start );

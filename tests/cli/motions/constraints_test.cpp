@@ -186,3 +186,20 @@ TEST_F( CliConstraints, AProvedPlanHasNoCertificateAndNoPage )
 	EXPECT_TRUE( contains( readFile( path( "plan.html" ) ), "kept at all times, proved" ) );
 #endif
 }
+
+TEST_F( CliConstraints, AGoalWhereTheRobotStandsHasNoPlan )
+{
+	write( "q.yaml", "group_name: arm\nstart_state: {joint_state: {name: [shoulder, elbow], position: [-1, 0.5]}}\n"
+	                 "goal_constraints:\n  - joint_constraints:\n      - {joint_name: shoulder, position: -1}\n"
+	                 "      - {joint_name: elbow, position: 0.5}\npath_constraints:\n" +
+	                     joint( 1.1, 1.1 ) );
+	const Outcome plan =
+	    runModel( "plan", { "--request", "q.yaml", "--trajectory", "plan.json", "--report", "report.json" } );
+	ASSERT_EQ( 0, plan.status ) << plan.out << plan.err;
+	EXPECT_TRUE( contains( plan.out, "kept at all times, proved" ) ) << plan.out;
+	const auto report = nlohmann::json::parse( readFile( path( "report.json" ) ) );
+	EXPECT_EQ( 0, report["duration"] ) << report.dump();
+	const auto points = nlohmann::json::parse( readFile( path( "plan.json" ) ) )["joint_trajectory"]["points"];
+	ASSERT_EQ( 1u, points.size() );
+	EXPECT_EQ( ( std::vector<double>{ -1, 0.5 } ), points[0]["positions"].get<std::vector<double>>() );
+}

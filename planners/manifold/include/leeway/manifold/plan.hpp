@@ -53,7 +53,7 @@ struct Result
 {
 	Outcome outcome = Outcome::TIMED_OUT;
 	std::vector<std::string> reasons; ///< sentences
-	/// SOLVED: cubics, timed within the limits, from rest to rest; one of no duration if the start is a goal.
+	/// SOLVED: cubics, timed within the limits, from rest to rest; none if the start is a goal.
 	std::vector<motions::Segment> segments;
 	double mended = 0;                 ///< seconds of the segments that lead the start to the constraints; 0: none
 	double mended_distance = 0;        ///< length of that motion, in joint space

@@ -58,10 +58,9 @@ TrajectoryFile timedPath( const io::Problem& problem, const std::vector<std::vec
     const MotionLimits& limits, const TimingSettings& settings );
 
 /// The ends of cubic segments that follow each other, with velocities: a controller drives the same cubics.
-TrajectoryFile endsOf( const io::Problem& problem, const std::vector<Segment>& segments );
-
-/// One point: a state that is held. @param state of the group
-TrajectoryFile standingAt( const io::Problem& problem, const std::vector<double>& state );
+/// @param standing group state that is held where there is no segment: one point
+TrajectoryFile endsOf(
+    const io::Problem& problem, const std::vector<Segment>& segments, const std::vector<double>& standing = {} );
 
 /// As a moveit_msgs/RobotTrajectory: JSON, which is YAML too.
 std::string robotTrajectory( const TrajectoryFile& trajectory );
