@@ -120,7 +120,7 @@ static bool depth_in_primitive( const lw_shape* sphere, lw_vec3 center, const lw
 }
 
 /// Depth of two shapes with a closed form, in the axes of the world about a's place. @param only as lwi_depth() returns it
-/// @return false: it has none, or the segments of two capsules meet
+/// @return false: the pair has no closed form, or the segments of two capsules meet
 static bool depth_of_round( const lw_shape* a, const lw_transform* world_from_a, const lw_shape* b,
 	const lw_transform* world_from_b, double longer, bool* only, lw_depth* out )
 {

@@ -122,7 +122,7 @@ static void end_search( lwi_searching* s )
 	}
 }
 
-/// Measures a pair that has a closed form. False if there is none, or ties are asked for.
+/// Measures a pair that has a closed form. False if the pair has none, or the caller asks for ties.
 static bool measure_closed_form( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b,
 	const lw_transform* a_from_b, lwi_bound* bound )
 {

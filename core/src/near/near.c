@@ -272,7 +272,7 @@ static void find_depth( near_search* s, const lwi_bound* bound, lw_near_pair* ro
 }
 
 /// Measures a pair with a closed form at its poses in the world: that takes less than the memory of a pair.
-/// @return false: it has none, or ties are asked for
+/// @return false: the pair has no closed form, or the caller asks for ties
 static bool look_at_round( near_search* s, const lwi_near_bodies* bodies, lwi_bound* bound, lw_near_pair* row )
 {
 	const lwi_near_place at = lwi_near_place_of( s->checker, s->query, bodies );

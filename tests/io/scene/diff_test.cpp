@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Differences of scenes in the items of a sequence: what they say, what is refused by name, and the worlds that they make.
+// Differences of scenes in the items of a sequence: reading, refusals by name, and the worlds that result.
 #include "files.hpp"
 
 #include "leeway/io/path_constraints.hpp"

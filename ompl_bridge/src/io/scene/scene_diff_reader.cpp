@@ -58,7 +58,7 @@ private:
 		    { "leeway_articulations" }, "is no change that a motion can bring", "give it in the scene (--scene)" );
 	}
 
-	/// MoveIt replaces what it holds where is_diff is false, which is the default of its messages. @param changes the message says something
+	/// Where is_diff is false, the default of its messages, MoveIt replaces its scene. @param changes the message has changes
 	static void refuseWhole( const YamlNode& message, bool changes )
 	{
 		const YamlNode is_diff = message["is_diff"];

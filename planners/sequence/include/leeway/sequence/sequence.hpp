@@ -97,7 +97,7 @@ std::vector<Leg> legsOf( const io::PathConstraints& sequence, const lines::Task&
 /// Legs that are driven in one scene.
 struct Chapter
 {
-	std::shared_ptr<const io::Problem> problem; ///< the robot with what it holds, in the scene
+	std::shared_ptr<const io::Problem> problem; ///< the robot with its attached objects, in the scene
 	std::size_t leg = 0, legs = 0;              ///< the first one, and their number
 	std::vector<motions::Segment> segments;     ///< one of no duration where no leg goes anywhere
 };
