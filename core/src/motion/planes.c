@@ -258,6 +258,22 @@ static bool is_apart_from_pieces( plane_test* s, uint64_t key, uint32_t index, l
 	return apart;
 }
 
+/// One piece of a against b or against b's pieces, first what proved it last time: where a piece lies within b's hull, a search for a plane
+/// of all of b is in vain in each window. @param place of its sphere in b's frame
+static bool is_piece_apart( plane_test* s, uint64_t key, uint32_t index, lw_vec3 place, double reach, double margin )
+{
+	const uint64_t of_all = key_of_pieces( key, index, LWI_WIDTH );
+	const bool split = planes_of( s, of_all )->split;
+	if ( split && is_apart_from_pieces( s, key, index, place, reach, margin ) )
+	{
+		return true;
+	}
+	const bool apart = are_apart( s, of_all, margin );
+	const bool by_pieces = !apart && !split && is_apart_from_pieces( s, key, index, place, reach, margin );
+	planes_of( s, of_all )->split = by_pieces; // theirs may have taken the place of these
+	return apart || by_pieces;
+}
+
 /// All of a's pieces against b, or against b's pieces if that fails.
 static bool each_is_apart( plane_test* s, uint64_t key, bool split_b, double margin )
 {
@@ -273,8 +289,8 @@ static bool each_is_apart( plane_test* s, uint64_t key, bool split_b, double mar
 		const uint32_t index = order[i];
 		take_piece( &part, whole, index );
 		s->a = &part.poses;
-		apart = are_apart( s, key_of_pieces( key, index, LWI_WIDTH ), margin ) ||
-				( split_b && is_apart_from_pieces( s, key, index, places[index], reach, margin ) );
+		apart = split_b ? is_piece_apart( s, key, index, places[index], reach, margin )
+						: are_apart( s, key_of_pieces( key, index, LWI_WIDTH ), margin );
 	}
 	s->a = whole;
 	return apart;

@@ -16,7 +16,7 @@ struct SmoothSettings
 	/// [0, 1] share of the path that a shortcut between states replaces at most, after the first round; two edges always.
 	double later_joins = 0.25;
 	unsigned shortcuts = 8; ///< between random points of the path, tried in a round
-	double gain = 0.05;     ///< a round that shortens the path by less than this share is the last
+	double gain = 0.15;     ///< a round that shortens the path by less than this share is the last
 };
 
 /// Shortens a path. A change is made only if all of its edges are FREE, so the path keeps the clearance of `edge`, and it
