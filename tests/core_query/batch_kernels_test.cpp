@@ -272,29 +272,20 @@ TEST( BatchKernels, LevelOfStatesDiffersFromScalar )
 		    { static_cast<float>( rng.uniform( 0.1, 2 ) ), static_cast<float>( rng.uniform( 0.1, 2 ) ),
 		        static_cast<float>( rng.uniform( 0.1, 2 ) ) } };
 		lwi_box8 box;
-		lwi_points8 points[2];
-		lwi_node node;
 		for ( int k = 0; k < LWI_WIDTH; ++k )
 		{
 			for ( int axis = 0; axis < 3; ++axis )
 			{
 				box.min[axis][k] = static_cast<float>( rng.uniform( -3, 2 ) );
 				box.max[axis][k] = box.min[axis][k] + static_cast<float>( rng.uniform( 0, 1 ) );
-				points[0].at[axis][k] = static_cast<float>( rng.uniform( -1, 1 ) );
-				points[1].at[axis][k] = static_cast<float>( rng.uniform( -1, 1 ) );
 			}
-			node.x[k] = points[0].at[0][k];
-			node.y[k] = points[0].at[1][k];
-			node.z[k] = points[0].at[2][k];
-			node.r[k] = static_cast<float>( rng.uniform( 0, 1 ) );
-			node.child[k] = k < 6 ? 1u : LW_INVALID_INDEX;
 		}
 		struct Output
 		{
 			lwi_batch_point point;
 			lwi_lane_motion stopped, body, motion, between;
-			uint8_t boxes[LWI_WIDTH], children[LWI_WIDTH];
-			uint32_t slabs, points;
+			uint8_t boxes[LWI_WIDTH];
+			uint32_t slabs;
 		};
 		std::vector<Output> outputs;
 		for ( const lwi_kernels* table : kernelLevels() )
@@ -314,9 +305,6 @@ TEST( BatchKernels, LevelOfStatesDiffersFromScalar )
 			table->lane_body( &other_frame, r, t, &other );
 			table->lane_between( &o.body, &other, &o.between );
 			o.slabs = table->lane_slabs( &o.motion, middle, half, &primitive, 0.2f );
-			o.points = table->lane_points( &o.motion, points, 2, &primitive, 0x7fu );
-			table->lane_node( &o.motion, &node, &primitive, 0.1f, o.children );
-			EXPECT_EQ( 0, o.children[7] );
 			outputs.push_back( o );
 			ASSERT_EQ( 0, std::memcmp( &outputs[0], &o, sizeof( o ) ) ) << "level " << table->level << ", input " << i;
 		}

@@ -184,6 +184,7 @@ std::vector<float> outputs( const lwi_kernels* k, const Input& in )
 	static_assert( sizeof( points ) == sizeof( in.leaf.v ), "a leaf's vertices are three blocks of points" );
 	std::memcpy( points, in.leaf.v, sizeof( points ) );
 	out[192] = static_cast<float>( k->points_farthest( points, 3, in.sphere, &out[193] ) );
+	out[194] = k->points_inside( points, 3, &in.motion, &in.primitive ) ? 1.0f : 0.0f;
 	k->points_move( points, 3, &in.motion, moved );
 	std::memcpy( &out[200], moved, sizeof( moved ) );
 	return out;
@@ -588,6 +589,49 @@ TEST( Kernels, SolidGapExceedsDistance )
 		}
 	}
 	seen.expect( 0.99 );
+}
+
+TEST( Kernels, PointInsideOfASolidIsMissedOrInvented )
+{
+	SeededRng rng;
+	int inside = 0, outside = 0;
+	for ( int i = 0; i < 20000; ++i )
+	{
+		Input in = random_input( rng );
+		const lw_shape_type types[] = { LW_SHAPE_BOX, LW_SHAPE_CYLINDER, LW_SHAPE_HALFSPACE };
+		in.primitive.type = types[i % 3];
+		const uint32_t blocks = 1 + static_cast<uint32_t>( i ) % 3;
+		lwi_points8 points[3];
+		std::memcpy( points, in.leaf.v, sizeof( points ) );
+		double deepest = -INFINITY, size = 0; // how far a point is inside
+		for ( uint32_t point = 0; point < blocks * LWI_WIDTH; ++point )
+		{
+			double m[3];
+			for ( int axis = 0; axis < 3; ++axis )
+			{
+				m[axis] = double( in.motion.t[axis] );
+				for ( int k = 0; k < 3; ++k )
+				{
+					m[axis] += double( in.motion.r[3 * axis + k] ) * double( points[point / 8].at[k][point % 8] );
+				}
+				size = std::max( { size, std::abs( m[axis] ), double( in.primitive.size[axis] ) } );
+			}
+			const float* s = in.primitive.size;
+			const double depth =
+			    in.primitive.type == LW_SHAPE_HALFSPACE ? -m[2]
+			    : in.primitive.type == LW_SHAPE_BOX
+			        ? std::min( { s[0] - std::abs( m[0] ), s[1] - std::abs( m[1] ), s[2] - std::abs( m[2] ) } )
+			        : std::min( s[0] - std::hypot( m[0], m[1] ), s[1] - std::abs( m[2] ) );
+			deepest = std::max( deepest, depth );
+		}
+		const bool is = lwi_kernels_scalar.points_inside( points, blocks, &in.motion, &in.primitive );
+		if ( std::abs( deepest ) > 1e-3 * size )
+		{
+			ASSERT_EQ( deepest > 0, is ) << "input " << i;
+			++( is ? inside : outside );
+		}
+	}
+	EXPECT_GE( std::min( inside, outside ), 2000 );
 }
 
 // The promise of oriented boxes: no two points of two of them, cut by their spheres, are nearer than the gap. The points

@@ -154,23 +154,16 @@ static lwi_motion motion_of( const lwi_lane_motion* lanes, uint32_t lane )
 	return out;
 }
 
-/// Lanes, of these, in which an item of a leaf is near.
-static uint32_t leaf_meets( const lane_states* s, const primitive_test* q, lwi_ref ref, uint32_t lanes )
+/// True if an item of a leaf is near.
+static bool leaf_meets( const lane_states* s, const primitive_test* q, lwi_ref ref, const lwi_motion* motion )
 {
 	const uint32_t index = lwi_ref_index( ref ), real = lwi_low_bits( lwi_ref_count( ref ) );
-	uint32_t met = 0;
-	for ( ; lanes != 0; lanes &= lanes - 1 )
-	{
-		const uint32_t lane = lwi_lowest_bit( lanes );
-		const lwi_motion motion = motion_of( &q->motion, lane );
-		float gap[LWI_WIDTH];
-		const uint32_t near =
-			q->shape->family == LWI_TRIANGLES
-				? s->kernels->leaf_primitive_gap( &q->shape->leaves[index], &motion, &q->primitive, q->limit, gap )
-				: s->kernels->node_primitive_gap( &q->shape->ball_leaves[index], &motion, &q->primitive, q->limit, gap );
-		met |= ( near & real ) != 0 ? 1u << lane : 0u;
-	}
-	return met;
+	float gap[LWI_WIDTH];
+	const uint32_t near =
+		q->shape->family == LWI_TRIANGLES
+			? s->kernels->leaf_primitive_gap( &q->shape->leaves[index], motion, &q->primitive, q->limit, gap )
+			: s->kernels->node_primitive_gap( &q->shape->ball_leaves[index], motion, &q->primitive, q->limit, gap );
+	return ( near & real ) != 0;
 }
 
 /// Lanes in which the faces of the two boxes do not prove the body away from the primitive.
@@ -185,53 +178,55 @@ static uint32_t boxes_meet( const lane_states* s, const primitive_test* q )
 	return s->kernels->lane_slabs( &q->motion, middle, half, &q->primitive, q->limit );
 }
 
-/// Lanes, of these, in which some child of the tree's root is near.
+/// Children of a node that are near.
+static uint32_t node_meets( const lane_states* s, const primitive_test* q, lwi_ref ref, const lwi_motion* motion )
+{
+	float gap[LWI_WIDTH];
+	return s->kernels->node_primitive_gap( &q->shape->nodes[ref], motion, &q->primitive, q->limit, gap );
+}
+
+/// Lanes, of these, in which some child of the tree's root is near. Bodies are near an obstacle in one or two lanes of a look, so from here on
+/// lanes come one by one, and eight children, items or points at once.
 static uint32_t root_meets( const lane_states* s, const primitive_test* q, uint32_t lanes )
 {
-	uint8_t near[LWI_WIDTH];
-	if ( lwi_ref_is_leaf( q->shape->root ) )
+	uint32_t met = lwi_ref_is_leaf( q->shape->root ) ? lanes : 0;
+	for ( lanes &= ~met; lanes != 0; lanes &= lanes - 1 )
 	{
-		return lanes;
+		const uint32_t lane = lwi_lowest_bit( lanes );
+		const lwi_motion motion = motion_of( &q->motion, lane );
+		met |= node_meets( s, q, q->shape->root, &motion ) != 0 ? 1u << lane : 0u;
 	}
-	s->kernels->lane_node( &q->motion, &q->shape->nodes[q->shape->root], &q->primitive, q->limit, near );
-	return lanes & ( near[0] | near[1] | near[2] | near[3] | near[4] | near[5] | near[6] | near[7] );
+	return met;
+}
+
+/// False if the tree proves the body away from the primitive in a lane.
+static bool lane_meets( const lane_states* s, const primitive_test* q, uint32_t lane )
+{
+	const lwi_motion motion = motion_of( &q->motion, lane );
+	lwi_ref stack[MOST_HEIGHT] = { q->shape->root };
+	for ( uint32_t height = 1, opened = 0; height > 0; )
+	{
+		const lwi_ref ref = stack[--height];
+		const bool leaf = lwi_ref_is_leaf( ref );
+		if ( leaf ? leaf_meets( s, q, ref, &motion ) : opened++ >= MOST_NODES )
+		{
+			return true;
+		}
+		for ( uint32_t near = leaf ? 0 : node_meets( s, q, ref, &motion ); near != 0; near &= near - 1 )
+		{
+			stack[height++] = q->shape->nodes[ref].child[lwi_lowest_bit( near )];
+		}
+	}
+	return false;
 }
 
 /// Lanes, of these, in which the tree does not prove the body away from the primitive.
 static uint32_t tree_meets( const lane_states* s, const primitive_test* q, uint32_t lanes )
 {
-	struct
+	uint32_t met = 0;
+	for ( ; lanes != 0; lanes &= lanes - 1 )
 	{
-		lwi_ref ref;
-		uint32_t lanes;
-	} stack[MOST_HEIGHT];
-	uint32_t height = 1, opened = 0, met = 0;
-	stack[0].ref = q->shape->root;
-	stack[0].lanes = lanes;
-	while ( height > 0 && met != lanes )
-	{
-		const lwi_ref ref = stack[--height].ref;
-		const uint32_t left = stack[height].lanes & ~met;
-		if ( left == 0 )
-		{
-			continue;
-		}
-		if ( lwi_ref_is_leaf( ref ) || opened++ >= MOST_NODES )
-		{
-			met |= lwi_ref_is_leaf( ref ) ? leaf_meets( s, q, ref, left ) : left;
-			continue;
-		}
-		const lwi_node* node = &q->shape->nodes[ref];
-		uint8_t near[LWI_WIDTH];
-		s->kernels->lane_node( &q->motion, node, &q->primitive, q->limit, near );
-		for ( int k = 0; k < LWI_WIDTH; ++k )
-		{
-			if ( ( near[k] & left ) != 0 )
-			{
-				stack[height].ref = node->child[k];
-				stack[height++].lanes = near[k] & left;
-			}
-		}
+		met |= lane_meets( s, q, lwi_lowest_bit( lanes ) ) ? lanes & -lanes : 0;
 	}
 	return met;
 }
@@ -251,7 +246,13 @@ static uint32_t points_inside( const lane_states* s, const primitive_test* q, ui
 		inner.size[i] = lwi_round_down( q->convex.size[i] - q->slack - s->off );
 	}
 	const uint32_t blocks = q->shape->extreme_blocks < most ? q->shape->extreme_blocks : most;
-	return s->kernels->lane_points( &q->motion, q->shape->extreme_points, blocks, &inner, lanes );
+	uint32_t inside = 0;
+	for ( ; lanes != 0; lanes &= lanes - 1 )
+	{
+		const lwi_motion motion = motion_of( &q->motion, lwi_lowest_bit( lanes ) );
+		inside |= s->kernels->points_inside( q->shape->extreme_points, blocks, &motion, &inner ) ? lanes & -lanes : 0;
+	}
+	return inside;
 }
 
 /// True if trees of triangles or balls hold everything at which the primitive can touch the body: a solid body that the

@@ -126,6 +126,9 @@ typedef struct lwi_kernels
 	/// distance of the triangles of a leaf to a primitive, of the spheres around them where that is enough and to cones
 	uint32_t ( *leaf_primitive_gap )( const lwi_leaf* leaf, const lwi_motion* motion, const lwi_primitive* primitive,
 		float limit, float gap[LWI_WIDTH] );
+	/// Is some point of some block, moved, inside of a box, cylinder or half-space?
+	bool ( *points_inside )( const lwi_points8* points, uint32_t blocks, const lwi_motion* motion,
+		const lwi_primitive* primitive );
 	/// cosines and sines of angles as lwi_sincos_of() has them; fastest for multiples of four
 	void ( *sincos )( const double* angle, uint32_t count, double* cosine, double* sine );
 
@@ -163,12 +166,6 @@ typedef struct lwi_kernels
 	/// Lanes in which a box of the tree's frame comes nearer than `limit` > 0 to a box or cylinder, by their faces
 	uint32_t ( *lane_slabs )( const lwi_lane_motion* motion, const float middle[3], const float half[3],
 		const lwi_primitive* primitive, float limit );
-	/// Lanes, of these, in which some point of some block is inside of a box, cylinder or half-space
-	uint32_t ( *lane_points )( const lwi_lane_motion* motion, const lwi_points8* points, uint32_t blocks,
-		const lwi_primitive* primitive, uint32_t lanes );
-	/// Spheres of a node whose distance to a primitive does not reach `limit`: lanes, one byte a child; 0 for pads
-	void ( *lane_node )( const lwi_lane_motion* motion, const lwi_node* node, const lwi_primitive* primitive, float limit,
-		uint8_t near[LWI_WIDTH] );
 
 	// Voxels: cloud/insert.c, cloud/clear.c
 

@@ -479,6 +479,36 @@ static uint32_t node_primitive_gap( const lwi_node* node, const lwi_motion* moti
 	return store_gap( gap, f8_sub( primitive_distance( v3_move( motion, center ), primitive ), f8_load( node->r ) ), limit );
 }
 
+/// At most 0 inside of a box, cylinder or half-space.
+static inline f8 primitive_depth( v3 p, const lwi_primitive* primitive )
+{
+	if ( primitive->type == LW_SHAPE_HALFSPACE )
+	{
+		return p.z;
+	}
+	const f8 sx = f8_set( primitive->size[0] ), sy = f8_set( primitive->size[1] );
+	if ( primitive->type == LW_SHAPE_BOX )
+	{
+		const f8 z = f8_sub( f8_abs( p.z ), f8_set( primitive->size[2] ) );
+		return f8_max( f8_max( f8_sub( f8_abs( p.x ), sx ), f8_sub( f8_abs( p.y ), sy ) ), z );
+	}
+	const f8 radial = f8_sub( f8_add( f8_mul( p.x, p.x ), f8_mul( p.y, p.y ) ), f8_mul( sx, sx ) );
+	return f8_max( radial, f8_sub( f8_abs( p.z ), sy ) );
+}
+
+static bool points_inside( const lwi_points8* points, uint32_t blocks, const lwi_motion* motion,
+	const lwi_primitive* primitive )
+{
+	const f8 zero = f8_set( 0.0f );
+	uint32_t inside = 0;
+	for ( uint32_t i = 0; i < blocks && inside == 0; ++i )
+	{
+		const v3 p = { f8_load( points[i].at[0] ), f8_load( points[i].at[1] ), f8_load( points[i].at[2] ) };
+		inside = m8_bits( f8_ge( zero, primitive_depth( v3_move( motion, p ), primitive ) ) ) & 0xffu;
+	}
+	return inside != 0;
+}
+
 /// The point of a box or cylinder that is nearest to p.
 static inline v3 primitive_nearest( v3 p, const lwi_primitive* primitive )
 {
@@ -610,6 +640,6 @@ static void sincos_all( const double* restrict angle, uint32_t count, double* re
 
 const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, obb_gap, sphere_pairs, box_gap, box_pair_gap, leaf_gap,
 	slab_gap, node_project, leaf_project, leaf_transform, points_move, points_farthest, corners_farthest, planes_clear,
-	triangle_gap, node_primitive_gap, leaf_primitive_gap, sincos_all, batch_frame, batch_point, batch_box, batch_pair,
-	lane_frame, lane_of_batch, lane_point, lane_boxes, lane_body, lane_relative, lane_between, lane_slabs, lane_points,
-	lane_node, point_voxels, pixel_voxels, sensor_points, ray_tangents, ray_pixels, voxels_before };
+	triangle_gap, node_primitive_gap, leaf_primitive_gap, points_inside, sincos_all, batch_frame, batch_point, batch_box,
+	batch_pair, lane_frame, lane_of_batch, lane_point, lane_boxes, lane_body, lane_relative, lane_between, lane_slabs,
+	point_voxels, pixel_voxels, sensor_points, ray_tangents, ray_pixels, voxels_before };
