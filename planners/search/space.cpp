@@ -94,9 +94,10 @@ double Space::distance( const double* a, const double* b ) const
 
 void Space::between( const double* a, const double* b, double t, double* out ) const
 {
-	for ( std::size_t i = 0; i < size(); ++i )
+	const std::size_t count = size();
+	for ( std::size_t i = 0; i < count; ++i )
 	{
-		out[i] = a[i] + t * difference( i, a[i], b[i] );
+		out[i] = a[i] + t * ( m_any_wraps ? difference( i, a[i], b[i] ) : b[i] - a[i] );
 	}
 	normalise( out );
 }
@@ -121,9 +122,11 @@ void Space::wrapAngles( double* q ) const
 
 void Space::normalise( double* q ) const
 {
-	for ( std::size_t i = 0; i < size(); ++i )
+	const std::size_t count = size();
+	const double *low = m_lower.data(), *high = m_upper.data();
+	for ( std::size_t i = 0; i < count; ++i )
 	{
-		q[i] = wraps( i ) ? difference( i, 0, q[i] ) : std::clamp( q[i], m_lower[i], m_upper[i] );
+		q[i] = m_any_wraps && wraps( i ) ? difference( i, 0, q[i] ) : std::clamp( q[i], low[i], high[i] );
 	}
 }
 

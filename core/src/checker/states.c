@@ -30,7 +30,7 @@ typedef struct primitive_test
 {
 	const lw_shape* shape;  ///< the body's, with a tree
 	lwi_lane_motion motion; ///< primitive_from_tree
-	lwi_convex convex;      ///< the primitive in double, of unbounded ones without sizes
+	double size[3];         ///< the primitive's, lwi_sizes_of_primitive()
 	lwi_primitive primitive;
 	bool bounded;     ///< the primitive
 	bool tree_is_all; ///< the tree holds everything at which it can touch the body
@@ -239,11 +239,11 @@ static uint32_t points_inside( const lane_states* s, const primitive_test* q, ui
 	const int sizes = inner.type == LW_SHAPE_BOX ? 3 : 2;
 	for ( int i = 0; i < sizes; ++i )
 	{
-		if ( !( q->convex.size[i] > q->slack + s->off ) )
+		if ( !( q->size[i] > q->slack + s->off ) )
 		{
 			return 0;
 		}
-		inner.size[i] = lwi_round_down( q->convex.size[i] - q->slack - s->off );
+		inner.size[i] = lwi_round_down( q->size[i] - q->slack - s->off );
 	}
 	const uint32_t blocks = q->shape->extreme_blocks < most ? q->shape->extreme_blocks : most;
 	uint32_t inside = 0;
@@ -257,15 +257,15 @@ static uint32_t points_inside( const lane_states* s, const primitive_test* q, ui
 
 /// True if trees of triangles or balls hold everything at which the primitive can touch the body: a solid body that the
 /// primitive could lie in wholly has more.
-static bool tree_is_all( const lw_shape* body, const lwi_convex* convex, lw_shape_type type )
+static bool tree_is_all( const lw_shape* body, const double size[3], lw_shape_type type )
 {
 	if ( body->primitive || ( body->family != LWI_TRIANGLES && body->family != LWI_BALLS ) )
 	{
 		return false;
 	}
-	const double longest = fmax( convex->size[0], convex->size[1] );
+	const double longest = fmax( size[0], size[1] );
 	return !body->closed || type == LW_SHAPE_HALFSPACE || type == LW_SHAPE_PLANE ||
-		   ( type == LW_SHAPE_BOX ? fmax( longest, convex->size[2] ) : longest ) > body->sphere_radius;
+		   ( type == LW_SHAPE_BOX ? fmax( longest, size[2] ) : longest ) > body->sphere_radius;
 }
 
 /// Poses a body against an obstacle, with the limit of its distance and its slack. @return false for obstacles that have no test in the lanes
@@ -278,13 +278,13 @@ static bool make_test( const lane_states* s, lane_body* b, uint32_t shape, primi
 		return false;
 	}
 	pose_body( s, b );
-	q->convex = lwi_convex_of_primitive( solid );
+	lwi_sizes_of_primitive( solid, q->size );
 	q->shape = b->shape;
 	const double* place = obstacle->world_from_shape.t;
 	const double at[3] = { place[0] - s->origin[0], place[1] - s->origin[1], place[2] - s->origin[2] };
 	s->kernels->lane_relative( &b->pose, obstacle->world_from_shape.r, at, &q->motion );
 	q->bounded = solid->family == LWI_CONVEX;
-	q->tree_is_all = tree_is_all( b->shape, &q->convex, solid->type );
+	q->tree_is_all = tree_is_all( b->shape, q->size, solid->type );
 	q->slack = lwi_gap_slack( 2 * ( s->reach + fabs( at[0] ) + fabs( at[1] ) + fabs( at[2] ) ) +
 							  4 * ( (double)b->shape->extent + ( q->bounded ? solid->sphere_radius : 0 ) ) );
 	const double dilation = b->shape->family == LWI_TRIANGLES ? b->shape->radius : 0;
@@ -293,7 +293,7 @@ static bool make_test( const lane_states* s, lane_body* b, uint32_t shape, primi
 	q->primitive.type = solid->type;
 	for ( int i = 0; i < 3; ++i )
 	{
-		q->primitive.size[i] = lwi_round_up( q->convex.size[i] );
+		q->primitive.size[i] = lwi_round_up( q->size[i] );
 	}
 	return true;
 }
@@ -384,9 +384,12 @@ static void body_environment( lane_states* s, uint32_t place )
 	const uint8_t* masks =
 		( s->near_only ? c->culling.near_mask : c->environment.mask ) + (size_t)b.body * c->scene->block_count;
 	const uint8_t* near = meet_boxes( s, s->tree->body_cluster[b.body], &s->tree->body_spheres[place] );
+	const uint64_t left = s->left * 0x0101010101010101u; // a byte for each obstacle of a block
 	for ( uint32_t block = 0; block < block_count( s ); ++block )
 	{
-		for ( uint32_t mask = masks[block]; mask != 0; mask &= mask - 1 )
+		uint64_t met;
+		memcpy( &met, near + (size_t)block * LWI_WIDTH, sizeof( met ) );
+		for ( uint32_t mask = ( met & left ) != 0 ? masks[block] : 0; mask != 0; mask &= mask - 1 )
 		{
 			const uint32_t shape = block * LWI_WIDTH + lwi_lowest_bit( mask ), lanes = near[shape] & s->left;
 			if ( lanes != 0 )

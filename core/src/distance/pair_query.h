@@ -319,6 +319,9 @@ void lwi_load_corners( const lw_shape* shape, uint32_t item, lw_vec3 out[3] );
 /// A box, cylinder or cone as a convex piece.
 lwi_convex lwi_convex_of_primitive( const lw_shape* shape );
 
+/// Its half sizes, of cylinders and cones radius and half length; 0 of unbounded ones.
+void lwi_sizes_of_primitive( const lw_shape* shape, double size[3] );
+
 // --- distance/ties.c -------------------------------------------------------------------------------------------------
 
 /// Looks at two items that were measured: are they as near as the nearest two points, elsewhere or along an edge or face?
