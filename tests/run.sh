@@ -37,7 +37,8 @@ long_tests=(
 	'^Inverse.Branches' '^Inverse.StatesHave' '^GuardWorlds'
 	# commands whose readers are tested in test_io and by the fuzzers' corpora: each starts the program, which takes half a second under sanitizers
 	'^CliFields' '^CliWords' '^CliMessages' '^CliTune' '^CliEnds' '^CliTrajectory' '^CliSteps' '^Everything/PairsBadInput' '/CliBadInput' '^Killed' '^Cache\.'
-	'^CacheData' '^Cli.Spherize' '^CliData' '^PairsData' '^examples' )
+	'^CacheData' '^Cli.Spherize' '^CliData' '^PairsData' '^examples' '^Xacro' '^ReadingCli' '^Cli.TheFirst' '^Cli.NumberOf' '^CliWorld.AMissing'
+	'^CliWorld.Options' '^CliWorld.PlanWith' '^CliWorld.ATraj' '^CliPose.Wrong' )
 # No parentheses: CTest takes at most nine, and leaves out nothing if there are more
 long_names=$( IFS='|' && echo "${long_tests[*]}" )
 
