@@ -237,7 +237,7 @@ struct CommonNeeds
 	bool request = true; ///< --request is offered (not where it is required and added by the subcommand)
 	bool world = true;   ///< --scene, --group, --min-d, --what and --simd make sense
 	bool detail = false; ///< --detail is offered
-	const char* group_help = "planning group of the SRDF; without it all joints can move";
+	const char* group_help = "planning group of the SRDF, or several joined by +; without it all joints can move";
 	bool proofs = true; ///< proofs are made without --proofs
 	bool cell = false;  ///< --world stands for --robot, --srdf, --scene and --group
 };

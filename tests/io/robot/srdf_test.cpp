@@ -128,6 +128,20 @@ TEST_F( SrdfTest, GroupsThatAreWrong )
 	expectBad( "<group/>", { "no name" } );
 }
 
+TEST_F( SrdfTest, GroupsJoinedByPlusCountAJointTwice )
+{
+	const std::string both = "<group name=\"l\"><joint name=\"j_lift\"/><joint name=\"j_l1\"/><link name=\"l1\"/></group>"
+	                         "<group name=\"r\"><joint name=\"j_r1\"/><joint name=\"j_lift\"/></group>";
+	RobotModel model = load( both );
+	EXPECT_EQ( model.useGroup( "r+l" ).joints, ( Names{ "j_r1", "j_lift", "j_l1" } ) );
+	EXPECT_EQ( model.useGroup( "l+r+l" ).joints, ( Names{ "j_lift", "j_l1", "j_r1" } ) );
+	EXPECT_EQ( model.useGroup( "l+r" ).name, "l+r" );
+	EXPECT_EQ( groupVariables( model, "l+r" ), ( Names{ "j_lift", "j_l1", "j_r1" } ) );
+	expectError( [&] { (void)model.useGroup( "l+x" ); }, { "group x", "no such group", "use one of l, r" } );
+	model = load( both + "<group name=\"l+r\"><joint name=\"j_l2\"/></group>" );
+	EXPECT_EQ( model.useGroup( "l+r" ).joints, Names{ "j_l2" } ) << "a group of that name goes first";
+}
+
 TEST_F( SrdfTest, AGroupThatLostAPartIsAnErrorOnlyWhereItIsUsed )
 {
 	const std::string good = "<group name=\"good\"><joint name=\"j_l2\"/></group>\n";

@@ -132,6 +132,39 @@ TEST_F( DiffTest, AnObjectIsHeldWhereItWasInAnotherState )
 	EXPECT_EQ( before.problem()->robot.get(), left->problem()->robot.get() );
 }
 
+TEST_F( DiffTest, AnotherGroupForgetsTheWorld )
+{
+	// All joints of a world with a held cup, margins and allowed contacts, and its slide alone: the same clearances where the fingers stand
+	ProblemOptions options;
+	options.scene = &m_scene;
+	options.margins.links["left"] = 0.03;
+	options.margins.objects["table"] = 0.01;
+	options.allowed = { { "right", "cup" } };
+	const World before( m_robot, options );
+	const std::shared_ptr<const World> holding = changed(
+	    before, read( attached( "link_name: hand, touch_links: [left], object: {id: cup, operation: 0}" ) ), { 0.3, 0, 0 } );
+	for ( const World* world : { &before, holding.get() } )
+	{
+		const std::shared_ptr<const Problem> all = world->problem(),
+		                                     slide = world->problemOf( m_robot, "arm", { 0.3, 0.4, -0.2 } );
+		EXPECT_EQ( slide->variable_names, std::vector<std::string>{ "x" } );
+		EXPECT_EQ( startState( *slide ), std::vector<double>{ 0.3 } );
+		const Query of_all = makeQuery( all->checker.get() ), of_slide = makeQuery( slide->checker.get() );
+		for ( const double x : { -0.9, -0.5, 0.0, 0.2, 0.3, 0.7 } )
+		{
+			const double q[3] = { x, 0.4, -0.2 };
+			lw_state_result a, b;
+			require( lw_checker_state( all->checker.get(), of_all.get(), q, LW_CHECK_ENVIRONMENT, nullptr, false, &a ), "" );
+			require(
+			    lw_checker_state( slide->checker.get(), of_slide.get(), &x, LW_CHECK_ENVIRONMENT, nullptr, false, &b ), "" );
+			EXPECT_NEAR( a.environment.lower, b.environment.lower, 1e-9 );
+			EXPECT_NEAR( a.environment.upper, b.environment.upper, 1e-9 );
+		}
+	}
+	expectError( [&] { (void)before.problemOf( m_robot, "arm", { 0, 0 } ); }, { "has 2 values instead of 3" } );
+	expectError( [&] { (void)before.problemOf( m_robot, "leg", { 0, 0, 0 } ); }, { "group leg", "no such group" } );
+}
+
 TEST_F( DiffTest, TouchLinksAreForbiddenToTouch )
 {
 	// A block beside the hand, in the left finger, which moves against the hand

@@ -188,8 +188,9 @@ struct RobotModel
 	LoadReport report;
 
 	const Group* findGroup( const std::string& group ) const; ///< nullptr if none
-	/// The group of this name, for planning. @throws Error (no such group, or it has a defect)
-	const Group& useGroup( const std::string& group ) const;
+	/// The group of this name, for planning. Names joined by "+", such as "left+right", mean the joints and links of all of them, in this order,
+	/// unless a group has that name itself. @throws Error (no such group, or it has a defect)
+	Group useGroup( const std::string& group ) const;
 	/// @param group may be empty if only one state has this name @throws Error (no such state, or it has a defect)
 	const GroupState& useGroupState( const std::string& group, const std::string& state ) const;
 };
@@ -428,6 +429,8 @@ Problem buildProblem( const RobotModel& robot, const ProblemOptions& options );
 std::string variableName( const lw_robot* robot, uint32_t variable );
 /// Variable names of a joint, in order; none for a fixed or mimic joint.
 std::vector<std::string> variableNames( const JointModel& joint );
+/// Variable names of a group, in the order of its problem's states. @param group as of useGroup() @throws Error, also without a movable joint
+std::vector<std::string> groupVariables( const RobotModel& robot, const std::string& group );
 
 /// Values of the group's variables in the start state: of the request, else reference values.
 std::vector<double> startState( const Problem& problem );

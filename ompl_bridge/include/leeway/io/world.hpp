@@ -47,6 +47,12 @@ public:
 
 	/// The current snapshot.
 	std::shared_ptr<const Problem> problem() const;
+	/// The current snapshot for another group, whose start state, and all variables outside of it, are as in `state`.
+	/// @param robot that this world was made of @param group as ProblemOptions::group
+	/// @param state [variables of the problem]; empty = the reference state
+	/// @throws Error (no such group, a state of another size) Cost: that of lw_checker_create().
+	std::shared_ptr<const Problem> problemOf(
+	    const RobotModel& robot, const std::string& group, const std::vector<double>& state ) const;
 
 	/// @throws Error if the world has no such object (it may be attached)
 	Checker move( const std::string& object, const lw_transform& world_from_object );

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <fmt/format.h>
+#include <iterator>
 #include <limits>
 #include <sstream>
 #include <system_error>
@@ -130,11 +131,27 @@ std::string usableGroups( const RobotModel& model )
 	return detail::joinNames( names );
 }
 
+void addMissing( const std::vector<std::string>& names, std::vector<std::string>& to )
+{
+	std::copy_if( names.begin(), names.end(), std::back_inserter( to ),
+	    [&]( const std::string& name ) { return std::find( to.begin(), to.end(), name ) == to.end(); } );
+}
+
 } // namespace
 
-const Group& RobotModel::useGroup( const std::string& group ) const
+Group RobotModel::useGroup( const std::string& group ) const
 {
 	const Group* found = findGroup( group );
+	const std::size_t plus = group.find( '+' );
+	if ( found == nullptr && plus != std::string::npos )
+	{
+		Group all = useGroup( group.substr( 0, plus ) );
+		const Group rest = useGroup( group.substr( plus + 1 ) );
+		all.name = group;
+		addMissing( rest.joints, all.joints );
+		addMissing( rest.links, all.links );
+		return all;
+	}
 	if ( found == nullptr )
 	{
 		throw Error( srdf_file.empty() ? urdf_file : srdf_file, "group " + group, "there is no such group",

@@ -6,6 +6,7 @@
 // SRDFs beside them, and ground truth made with the SRDF agrees with this reading only. A notice reports such entries.
 #include "leeway/prepare.hpp"
 #include "scene/frames.hpp"
+#include "scene/group.hpp"
 #include "scene/margins.hpp"
 #include "scene/padding.hpp"
 #include "robot/plausibility.hpp"
@@ -389,46 +390,6 @@ Scene createScene( const SceneModel& model, const Frames& frames, std::map<std::
 	return Scene::adopt( scene );
 }
 
-void selectGroup( const RobotModel& model, const std::string& group_name, Problem& problem )
-{
-	const lw_robot* robot = problem.robot.get();
-	problem.group = group_name;
-	if ( group_name.empty() )
-	{
-		for ( std::uint32_t i = 0; i < lw_robot_variable_count( robot ); ++i )
-		{
-			problem.variables.push_back( i );
-		}
-	}
-	else
-	{
-		for ( const std::string& joint_name : model.useGroup( group_name ).joints )
-		{
-			std::uint32_t joint = lw_robot_find_joint( robot, joint_name.c_str() );
-			std::uint32_t first = joint != LW_INVALID_INDEX ? lw_robot_joint_variable( robot, joint ) : LW_INVALID_INDEX;
-			std::uint32_t count = first != LW_INVALID_INDEX ? lw_robot_joint_variable_count( robot, joint ) : 0;
-			for ( std::uint32_t i = 0; i < count; ++i )
-			{
-				problem.variables.push_back( first + i );
-			}
-		}
-	}
-	if ( problem.variables.empty() )
-	{
-		if ( group_name.empty() )
-		{
-			throw Error( model.urdf_file, "robot " + model.name, "has no joint that can move",
-			    "if it is an object, give it as the scene (--scene)" );
-		}
-		throw Error( model.srdf_file, "group " + group_name, "has no movable joint",
-		    "use a group with joints that are neither fixed nor mimicking" );
-	}
-	for ( std::uint32_t variable : problem.variables )
-	{
-		problem.variable_names.push_back( variableName( robot, variable ) );
-	}
-}
-
 /// Contact of a link that the group cannot move with an obstacle makes every state invalid: one notice reports this.
 void noticeStaticContact( const RobotModel& model, const SceneModel* scene, const ProblemOptions& options, Problem& problem )
 {
@@ -650,7 +611,7 @@ Problem buildProblem( const RobotModel& unscaled, const ProblemOptions& options 
 	problem.robot = createBareRobot( model, contacts );
 	findReach( options, problem );
 	attachAll( attached, contacts, scene, problem );
-	selectGroup( model, options.group, problem );
+	detail::selectGroup( model, options.group, problem );
 	createChecker( model, scene, contacts, options, problem );
 	if ( scene != nullptr && options.notice_enclosed )
 	{

@@ -3,6 +3,7 @@
 #include "leeway/io/world.hpp"
 
 #include "scene/contacts.hpp"
+#include "scene/group.hpp"
 #include "scene/margins.hpp"
 
 #include <algorithm>
@@ -53,7 +54,7 @@ struct World::State
 	/// @param other stays as it is while this is made
 	State( const State& other )
 	    : file( other.file ), allowed( other.allowed ), disabled( other.disabled ), margins( other.margins ),
-	      bodies( other.bodies ), problem( other.problem )
+	      max_d( other.max_d ), bodies( other.bodies ), problem( other.problem )
 	{
 	}
 
@@ -71,6 +72,7 @@ struct World::State
 	Checker attach( const std::string& object, Body next_body );
 	/// @throws Error if links of the robot, or attached objects and links, would have other contacts
 	void requireSameLinks( const detail::AllowedNames& next_allowed, const ContactMatrix& matrix ) const;
+	std::vector<double> fullState( const std::vector<double>& state ) const;
 	lw_transform worldFromLink( const std::string& link, const std::vector<double>& state ) const;
 	std::vector<lw_link_object_pair> allowedPairs(
 	    const Problem& next_problem, const std::map<std::string, Body>& next_bodies ) const;
@@ -81,6 +83,7 @@ struct World::State
 	detail::AllowedNames allowed;
 	std::set<std::pair<std::string, std::string>> disabled; ///< links whose contact the SRDF allows
 	Margins margins;
+	double max_d; ///< as of ProblemOptions
 	std::map<std::string, Body> bodies;
 	std::shared_ptr<const Problem> problem;
 	mutable std::mutex mutex;
@@ -88,7 +91,7 @@ struct World::State
 
 World::State::State( const RobotModel& robot, const ProblemOptions& options, Problem of_options )
     : file( options.scene != nullptr ? options.scene->file : robot.urdf_file ), allowed( options.scene ),
-      margins( options.margins )
+      margins( options.margins ), max_d( options.max_d )
 {
 	for ( const auto& [a, b] : options.allowed )
 	{
@@ -293,9 +296,8 @@ Checker World::State::nextIn(
 	return problem->checker;
 }
 
-lw_transform World::State::worldFromLink( const std::string& link, const std::vector<double>& state ) const
+std::vector<double> World::State::fullState( const std::vector<double>& state ) const
 {
-	const lw_robot* robot = problem->robot.get();
 	if ( !state.empty() && state.size() != problem->variables.size() )
 	{
 		throw Error( file, "state", fmt::format( "has {} values instead of {}", state.size(), problem->variables.size() ),
@@ -306,6 +308,13 @@ lw_transform World::State::worldFromLink( const std::string& link, const std::ve
 	{
 		full[problem->variables[i]] = state[i];
 	}
+	return full;
+}
+
+lw_transform World::State::worldFromLink( const std::string& link, const std::vector<double>& state ) const
+{
+	const lw_robot* robot = problem->robot.get();
+	const std::vector<double> full = fullState( state );
 	std::vector<lw_transform> poses( lw_robot_link_count( robot ) );
 	if ( lw_robot_fk( robot, full.data(), poses.data() ) != LW_OK )
 	{
@@ -373,6 +382,39 @@ std::shared_ptr<const Problem> World::problem() const
 {
 	const std::lock_guard<std::mutex> lock( m_state->mutex );
 	return m_state->problem;
+}
+
+std::shared_ptr<const Problem> World::problemOf(
+    const RobotModel& robot, const std::string& group, const std::vector<double>& state ) const
+{
+	const std::lock_guard<std::mutex> lock( m_state->mutex );
+	const Problem& here = *m_state->problem;
+	auto other = std::make_shared<Problem>( here );
+	other->reference = m_state->fullState( state );
+	detail::selectGroup( robot, group, *other );
+	const std::optional<detail::BoundMargins> bound = m_state->bind( *other, m_state->bodies );
+	lw_checker_def def = lw_checker_def_default();
+	def.robot = other->robot.get();
+	def.scene = other->scene.get();
+	def.variables = other->variables.data();
+	def.variable_count = static_cast<std::uint32_t>( other->variables.size() );
+	def.reference = other->reference.data();
+	def.allowed = other->allowed.data();
+	def.allowed_count = static_cast<std::uint32_t>( other->allowed.size() );
+	def.margins = bound ? bound->def() : def.margins;
+	def.reach = other->reach.reach.get();
+	def.max_d = m_state->max_d;
+	def.previous = here.checker.get();
+	lw_checker* checker = nullptr;
+	lw_diag diag{};
+	const lw_status status = lw_checker_create( &def, nullptr, &diag, &checker );
+	if ( status != LW_OK )
+	{
+		throw Error( m_state->file, "group " + group, diag.message[0] != '\0' ? diag.message : lw_status_name( status ),
+		    "correct the state" );
+	}
+	other->checker = Checker::adopt( checker );
+	return other;
 }
 
 Checker World::move( const std::string& object, const lw_transform& world_from_object )

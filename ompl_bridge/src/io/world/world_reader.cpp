@@ -258,7 +258,7 @@ void WorldReader::readGroup( const YamlNode& group, const Known& known, WorldPar
 		return;
 	}
 	part.group = group.text();
-	const std::vector<std::string>& joints = known.model.useGroup( part.group ).joints;
+	const std::vector<std::string> joints = known.model.useGroup( part.group ).joints;
 	for ( const JointModel& joint : known.model.joints )
 	{
 		const bool in = std::find( joints.begin(), joints.end(), joint.name ) != joints.end();
