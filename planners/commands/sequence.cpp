@@ -64,7 +64,8 @@ bool tell( const std::vector<std::vector<ConstraintProof>>& legs, Json& json, st
 	return kept;
 }
 
-Json reportOf( const sequence::Result& plan, const std::vector<sequence::Leg>& legs )
+/// @param several legs have different groups
+Json reportOf( const sequence::Result& plan, const std::vector<sequence::Leg>& legs, bool several )
 {
 	Json json = { { "solved", plan.solved }, { "seconds", plan.plan_seconds } };
 	if ( !plan.solved )
@@ -80,6 +81,10 @@ Json reportOf( const sequence::Result& plan, const std::vector<sequence::Leg>& l
 	{
 		const sequence::Motion& leg = plan.legs[i];
 		Json one = { { "begin", leg.begin }, { "seconds", leg.seconds }, { "cubics", leg.count } };
+		if ( several )
+		{
+			one["group"] = legs[i].group;
+		}
 		for ( const std::string& change : sequence::changesOf( legs[i].scene ) )
 		{
 			one["scene"].push_back( change );
@@ -115,6 +120,12 @@ int runSequence( const PlanOptions& options )
 	}
 	note( limits, options.joint_limits, input.robot, notices );
 	input.max_d = options.common.min_d + planning_horizon;
+	const bool several = sequence::hasGroups( path );
+	if ( several && !options.common.group.empty() )
+	{
+		refuseOption( "--group", "stands beside items of different groups", "leave it out: each item moves its own group" );
+	}
+	options.common.group.empty() ? sequence::requireGroups( input.robot, path ) : void();
 	const PlanEnds ends = readEnds( options, input );
 	const Workbench bench( input, ends.group, {}, notices );
 	const io::Problem& problem = bench.problem();
@@ -124,10 +135,14 @@ int runSequence( const PlanOptions& options )
 	}
 	sequence::Settings settings{ requestSettingsOf( options, input, problem, limits, notices ) };
 	settings.states = options.goal_states > 0 ? options.goal_states : settings.states;
-	const std::vector<sequence::Leg> legs = sequence::legsOf( path, commonTask( options.line ) );
+	std::vector<sequence::Leg> legs = sequence::legsOf( path, commonTask( options.line ) );
+	for ( sequence::Leg& leg : legs )
+	{
+		leg.group = several ? leg.group : ""; // else that of the problem, which --group may name
+	}
 	const io::World world( input.robot, problemOptions( input, ends.group, {} ), problem );
 	const sequence::Result plan = sequence::planSequence( input.robot, world, legs, settings );
-	Json report = reportOf( plan, legs );
+	Json report = reportOf( plan, legs, several );
 	std::string text = sequence::describe( plan, legs );
 	std::vector<std::string> notes;
 	std::istringstream lines( text );

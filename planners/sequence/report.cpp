@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace leeway::sequence
 {
 
@@ -35,14 +37,17 @@ std::string describe( const Result& result, const std::vector<Leg>& legs )
 	}
 	std::string text = fmt::format( "sequence: {} leg(s), {} cubics, {:.3f} s, planned in {:.3f} s\n", result.legs.size(),
 	    result.segments.size(), result.legs.back().begin + result.legs.back().seconds, result.plan_seconds );
+	const bool several =
+	    std::any_of( legs.begin(), legs.end(), [&]( const Leg& leg ) { return leg.group != legs.front().group; } );
 	for ( std::size_t i = 0; i < result.legs.size(); ++i )
 	{
 		const Motion& leg = result.legs[i];
+		const std::string group = several && i < legs.size() && !legs[i].group.empty() ? legs[i].group + ", " : "";
 		for ( const std::string& change : i < legs.size() ? changesOf( legs[i].scene ) : std::vector<std::string>() )
 		{
 			text += fmt::format( "leg {}: begins with: {}\n", i + 1, change );
 		}
-		text += fmt::format( "leg {}: {:.3f} to {:.3f} s, {}\n", i + 1, leg.begin, leg.begin + leg.seconds,
+		text += fmt::format( "leg {}: {:.3f} to {:.3f} s, {}{}\n", i + 1, leg.begin, leg.begin + leg.seconds, group,
 		    leg.is_line ? fmt::format( "a line: each coordinate proved within {:.4f} mm, the angle within {:.4f} degrees",
 		                      1000 * leg.position_error, leg.angle_error * 180 / M_PI )
 		                : fmt::format( "to one of {} goal(s) from which the next legs go on{}", leg.goals,

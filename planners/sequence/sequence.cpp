@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Depth first over the goals of the legs. Lines depend on the state where they start and on the scene alone, so they decide on goals before motions to
 // these are searched. A change of the scene depends on the state in which it happens: each branch has its own scenes, which share what did not change.
+// So do the joints that stand while those of another group move. States and segments here are of the plan's group; those of a leg's own group begin
+// and end at Scene::narrow() and Scene::widen().
 #include "leeway/sequence/sequence.hpp"
+#include "sequence/groups.hpp"
 
 #include <fmt/format.h>
 
@@ -16,18 +19,8 @@ namespace leeway::sequence
 namespace
 {
 
-using State = std::vector<double>;
-
 constexpr double least_share = 0.01; // of the time: with less left no further goal is tried
 constexpr std::size_t attempts_from_start = 5;
-
-/// The scene of a leg, and the world that the next change begins with.
-struct Scene
-{
-	std::shared_ptr<const io::World> world; ///< empty if no leg changes the scene
-	std::shared_ptr<const io::Problem> problem;
-	std::string blocked; ///< the leg cannot begin in it: a sentence; empty: it can
-};
 
 /// Legs that are planned as one: a motion to a goal, or lines with blends between them.
 struct Unit
@@ -48,16 +41,6 @@ struct Step
 	lines::Result line; ///< of lines
 	std::size_t goals = 0, tried = 0;
 };
-
-std::string nameOf( const std::vector<Leg>& legs, std::size_t i )
-{
-	return legs[i].element.empty() ? fmt::format( "legs[{}]", i ) : legs[i].element;
-}
-
-[[noreturn]] void wrong( const std::string& element, const std::string& problem, const std::string& remedy )
-{
-	throw io::Error( "sequence", element, problem, remedy );
-}
 
 bool isSame( const io::Frame& a, const io::Frame& b )
 {
@@ -188,9 +171,10 @@ std::string blockedBy( const io::Problem& problem, const State& state, const lw_
 		{
 			const motions::Named pair = self ? motions::nameSelf( problem.checker.get(), is.self )
 			                                 : motions::nameEnvironment( problem.checker.get(), is.environment );
-			return fmt::format( "where the scene has changed, the motion cannot begin: {} - {}, clearance {:.6g} m{}; "
+			return fmt::format( "{}the motion cannot begin: {} - {}, clearance {:.6g} m{}; "
 			                    "touch_links and allowed_collision_matrix allow a contact that is meant",
-			    pair.first, pair.second, pair.least(), pair.marginText() );
+			    leg.scene.empty() ? "" : "where the scene has changed, ", pair.first, pair.second, pair.least(),
+			    pair.marginText() );
 		}
 	}
 	return {};
@@ -202,7 +186,8 @@ public:
 	/// @param base before the first leg
 	Planning(
 	    const io::RobotModel& robot, Scene base, const std::vector<Leg>& legs, const Settings& settings, const State& start )
-	    : m_robot( robot ), m_base( std::move( base ) ), m_legs( legs ), m_settings( settings ), m_units( unitsOf( legs ) )
+	    : m_robot( robot ), m_base( std::move( base ) ), m_legs( legs ), m_settings( settings ),
+	      m_groups( groupsOf( robot, *m_base.problem, legs ) ), m_units( unitsOf( legs ) )
 	{
 		checkNames( start );
 		m_result.solved = extend( 0, start, m_base );
@@ -245,6 +230,25 @@ private:
 			const io::SceneDiff& diff = m_legs[unit.first].scene;
 			world = diff.empty() ? world : io::changed( *world, diff, start );
 			unit.is_line ? static_cast<void>( lineOf( m_legs, unit, world ? *world->problem() : *m_base.problem ) ) : void();
+			m_groups[unit.first].empty() ? void() : checkGoal( m_legs[unit.first], m_groups[unit.first] );
+		}
+	}
+
+	/// A goal of joints names all of the leg's group. Whether others stand where it wants them depends on the legs before.
+	void checkGoal( const Leg& leg, const Entries& group ) const
+	{
+		const io::Problem& all = *m_base.problem;
+		for ( const std::size_t entry : leg.request && !leg.request->hasPoseGoal() ? group : Entries() )
+		{
+			const std::string& name = all.variable_names[entry];
+			const bool is_named = std::any_of( leg.request->goal.begin(), leg.request->goal.end(),
+			    [&]( const io::JointGoal& goal ) { return goal.joint == name; } );
+			if ( !is_named && !leg.request->goal_keeps_rest )
+			{
+				throw io::Error( leg.request->file, leg.request->goal_element,
+				    fmt::format( "names no goal for {}, which is in group {}", name, leg.group ),
+				    "give one joint constraint for each joint of the item's group" );
+			}
 		}
 	}
 
@@ -252,25 +256,58 @@ private:
 	/// @param before of the unit before it @return null: it cannot begin
 	const Scene* enter( std::size_t unit, const Scene& before, const State& state )
 	{
-		const Leg& leg = m_legs[m_units[unit].first];
-		if ( leg.scene.empty() )
+		const std::size_t index = m_units[unit].first;
+		const bool changes = !m_legs[index].scene.empty(), same_group = m_groups[index] == before.entries;
+		if ( !changes && same_group )
 		{
 			return &before;
 		}
-		const auto [entry, is_new] = m_entered.try_emplace( { unit, &before, state } );
+		const Scene* whole = before.whole != nullptr ? before.whole : &before;
+		whole = changes ? &change( unit, *whole, state ) : whole;
+		const Scene* scene = m_groups[index].empty() ? whole : &narrowed( unit, *whole, state );
+		for ( const Scene* one : { whole, scene } )
+		{
+			if ( !one->blocked.empty() )
+			{
+				fail( index, one->blocked );
+				return nullptr;
+			}
+		}
+		return scene;
+	}
+
+	/// The scene that a unit's changes make of another one.
+	const Scene& change( std::size_t unit, const Scene& whole, const State& state )
+	{
+		const Leg& leg = m_legs[m_units[unit].first];
+		const auto [entry, is_new] = m_entered.try_emplace( { unit, &whole, state, false } );
 		Scene& scene = entry->second;
 		if ( is_new )
 		{
-			scene.world = io::changed( *before.world, leg.scene, state );
+			scene.world = io::changed( *whole.world, leg.scene, state );
 			scene.problem = scene.world->problem();
 			scene.blocked = blockedBy( *scene.problem, state, m_settings.edge, leg );
 		}
-		if ( !scene.blocked.empty() )
+		return scene;
+	}
+
+	/// The same scene for the unit's group, with the other joints as they are in the state.
+	const Scene& narrowed( std::size_t unit, const Scene& whole, const State& state )
+	{
+		const std::size_t index = m_units[unit].first;
+		const auto [entry, is_new] = m_entered.try_emplace( { unit, &whole, state, true } );
+		Scene& scene = entry->second;
+		if ( is_new )
 		{
-			fail( m_units[unit].first, scene.blocked );
-			return nullptr;
+			scene.world = whole.world;
+			scene.problem = whole.world->problemOf( m_robot, m_legs[index].group, state );
+			scene.entries = m_groups[index];
+			scene.stands = state;
+			scene.whole = &whole;
+			// pairs that the group does not move are those of the start, or of a leg before that moved them
+			scene.blocked = unit == 0 ? blockedBy( *whole.problem, state, m_settings.edge, m_legs[index] ) : "";
 		}
-		return &scene;
+		return scene;
 	}
 
 	/// A goal of an earlier leg was of no use for this one.
@@ -279,8 +316,9 @@ private:
 	bool follow( std::size_t unit, const State& start, const Scene& scene, std::size_t attempts, Step& step )
 	{
 		lines::Task task = lineOf( m_legs, m_units[unit], *scene.problem );
-		task.start = start;
+		task.start = scene.narrow( start );
 		lines::Settings settings{ m_settings, attempts };
+		settings.limits = scene.narrow( m_settings.limits );
 		settings.stop = [this] { return isOver(); };
 		step.unit = unit;
 		step.scene = &scene;
@@ -290,7 +328,7 @@ private:
 			fail( m_units[unit].leg_of[step.line.stop.part], lines::describe( *scene.problem, step.line ) );
 			return false;
 		}
-		step.segments = step.line.segments;
+		step.segments = scene.widen( step.line.segments );
 		step.end = endOf( step.segments );
 		return true;
 	}
@@ -324,7 +362,7 @@ private:
 		{
 			const std::size_t leg = m_units[unit].first;
 			manifold::Manifold manifold( m_robot, *own->problem, m_legs[leg].path );
-			const std::vector<std::string> broken = manifold.violations( state.data() );
+			const std::vector<std::string> broken = manifold.violations( own->narrow( state ).data() );
 			if ( !broken.empty() )
 			{
 				fail( leg, "its start breaks the constraints along its path: " + broken.front() );
@@ -338,24 +376,24 @@ private:
 	std::vector<State> statesOf( std::size_t index, const Scene& scene )
 	{
 		const Leg& leg = m_legs[index];
-		if ( !leg.request )
-		{
-			return leg.goals;
-		}
+		std::vector<State> states = leg.goals;
 		try
 		{
-			return manifold::constrainedGoals(
-			    m_robot, *scene.problem, *leg.request, leg.path, m_settings.edge, m_settings.seed, m_settings.states );
+			states = !leg.request ? states
+			                      : manifold::constrainedGoals( m_robot, *scene.problem, *leg.request, leg.path,
+			                            m_settings.edge, m_settings.seed, m_settings.states );
 		}
 		catch ( const io::Error& error )
 		{
-			if ( &scene == &m_base )
+			if ( &scene == &m_base || ( index == 0 && scene.whole == &m_base ) )
 			{
 				throw;
 			}
 			fail( index, error.what() ); // in the scene of another branch the goal may have states
-			return {};
 		}
+		std::transform(
+		    states.begin(), states.end(), states.begin(), [&]( const State& state ) { return scene.widen( state ); } );
+		return states;
 	}
 
 	/// Goals of a unit from which the next ones go on; found once in each scene.
@@ -386,9 +424,13 @@ private:
 		step.unit = index;
 		step.scene = &scene;
 		manifold::Task task;
-		task.start = start;
-		task.goals = goals;
+		task.start = scene.narrow( start );
+		for ( const State& goal : goals )
+		{
+			task.goals.push_back( scene.narrow( goal ) );
+		}
 		manifold::Settings settings = m_settings;
+		settings.limits = scene.narrow( m_settings.limits );
 		settings.seconds = share( last_choice );
 		const manifold::Result plan = manifold::planPath( m_robot, *scene.problem, m_legs[leg].path, task, settings );
 		if ( !plan.solved() )
@@ -396,8 +438,8 @@ private:
 			fail( leg, manifold::summary( plan ) );
 			return false;
 		}
-		step.segments = plan.segments;
-		step.end = plan.segments.empty() ? start : endOf( plan.segments );
+		step.segments = scene.widen( plan.segments );
+		step.end = plan.segments.empty() ? start : endOf( step.segments );
 		return true;
 	}
 
@@ -521,9 +563,10 @@ private:
 	const std::vector<Leg>& m_legs;
 	const Settings& m_settings;
 	const std::chrono::steady_clock::time_point m_begin = std::chrono::steady_clock::now();
+	const std::vector<Entries> m_groups; ///< of each leg
 	std::vector<Unit> m_units;
-	/// By unit, scene before it and state; none is removed, for later ones point to it.
-	std::map<std::tuple<std::size_t, const Scene*, State>, Scene> m_entered;
+	/// By unit, scene before it, state, and whether it is of the unit's own group; none is removed, for later ones point to it.
+	std::map<std::tuple<std::size_t, const Scene*, State, bool>, Scene> m_entered;
 	std::vector<Step> m_steps;
 	std::size_t m_waiting = 0; ///< goals of all legs that were not tried
 	Result m_result;
@@ -536,7 +579,7 @@ Result planSequence( const io::RobotModel& robot, const io::World& world, const 
 {
 	check( legs );
 	const auto copy = std::make_shared<const io::World>( world );
-	const Scene base{ copy, copy->problem(), "" };
+	const Scene base{ copy, copy->problem() };
 	return Planning( robot, base, legs, settings, start.empty() ? io::startState( *base.problem ) : start ).result();
 }
 
@@ -544,13 +587,16 @@ Result planSequence( const io::RobotModel& robot, const io::Problem& problem, co
     const Settings& settings, const std::vector<double>& start )
 {
 	check( legs );
+	const std::vector<Entries> groups = groupsOf( robot, problem, legs );
 	for ( std::size_t i = 0; i < legs.size(); ++i )
 	{
 		legs[i].scene.empty()
 		    ? void()
 		    : wrong( nameOf( legs, i ), "changes the scene of a problem, which stays as it is", "plan in an io::World" );
+		groups[i].empty() ? void()
+		                  : wrong( nameOf( legs, i ), "is of another group than the problem", "plan in an io::World" );
 	}
-	const Scene base{ nullptr, std::shared_ptr<const io::Problem>( std::shared_ptr<const io::Problem>(), &problem ), "" };
+	const Scene base{ nullptr, std::shared_ptr<const io::Problem>( std::shared_ptr<const io::Problem>(), &problem ) };
 	return Planning( robot, base, legs, settings, start.empty() ? io::startState( problem ) : start ).result();
 }
 
@@ -561,6 +607,7 @@ std::vector<Leg> legsOf( const io::PathConstraints& sequence, const lines::Task&
 	{
 		Leg leg;
 		leg.element = item.element;
+		leg.group = item.request.group;
 		leg.blend = item.blend_radius;
 		leg.scene = item.scene;
 		if ( item.path.way )

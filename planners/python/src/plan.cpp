@@ -458,38 +458,52 @@ nb::object planRequest( const PyChecker& checker, const nb::object& request, con
 
 // ---- sequences -------------------------------------------------------------------------------------------------------
 
+/// An array in place of a request, for a group of joints.
+struct Goals
+{
+	std::size_t item;
+	Doubles states;
+	std::string group; ///< empty: that of the checker
+};
+
 /// An array in the place of a request is goals: the place gets a goal that the reader takes.
-void takeGoals( nb::dict& item, std::size_t index, std::vector<std::pair<std::size_t, Doubles>>& goals )
+void takeGoals( nb::dict& item, std::size_t index, std::vector<Goals>& goals )
 {
 	if ( !nb::hasattr( item["req"], "keys" ) )
 	{
-		goals.emplace_back( index, nb::cast<Doubles>( item["req"] ) );
+		goals.push_back( { index, nb::cast<Doubles>( item["req"] ), "" } );
 		item["req"] = nb::eval( "{'goal_constraints': [{'joint_constraints': [{'joint_name': '', 'position': 0}]}]}" );
+		if ( item.contains( "group_name" ) )
+		{
+			goals.back().group = nb::cast<std::string>( item["group_name"] );
+			nb::del( item["group_name"] );
+		}
 	}
 }
 
-/// The world that changes of the scene begin with; empty without such changes. @throws io::Error
+/// The world that changes of the scene begin with, and other groups; empty without both. @throws io::Error
 std::shared_ptr<const io::World> worldOf( const PyChecker& checker, const std::vector<sequence::Leg>& legs )
 {
-	const auto changes = std::find_if( legs.begin(), legs.end(), []( const auto& leg ) { return !leg.scene.empty(); } );
-	if ( changes == legs.end() )
+	const auto needs = std::find_if( legs.begin(), legs.end(),
+	    [&]( const auto& leg )
+	    { return !leg.scene.empty() || !( leg.group.empty() || leg.group == checker.problem->group ); } );
+	if ( needs == legs.end() )
 	{
 		return nullptr;
 	}
-	const auto wrong = [&]( const char* problem, const char* remedy )
-	{ throw io::Error( changes->scene.file, changes->element, problem, remedy ); };
-	checker.world ? void()
-	              : wrong( "changes the scene of a checker that was not made of a scene", "call Checker( robot, scene )" );
+	const std::string what = needs->scene.empty() ? "moves another group than the checker's" : "changes the scene";
+	const auto wrong = [&]( const std::string& problem, const char* remedy )
+	{ throw io::Error( needs->scene.file.empty() ? "sequence" : needs->scene.file, needs->element, problem, remedy ); };
+	checker.world ? void() : wrong( what + ", and the checker was not made of a scene", "call Checker( robot, scene )" );
 	auto copy = std::make_shared<const io::World>( *checker.world );
 	copy->problem() == checker.of_world
 	    ? void()
-	    : wrong( "changes the scene, and the World of the checker has changed since", "take the World's checker of now" );
+	    : wrong( what + ", and the World of the checker has changed since", "take the World's checker of now" );
 	return copy;
 }
 
 /// Arrays among the items are goals.
-io::PathConstraints itemsOf( const PyChecker& checker, const nb::object& items, io::Request& request,
-    std::vector<std::pair<std::size_t, Doubles>>& goals )
+io::PathConstraints itemsOf( const nb::object& items, io::Request& request, std::vector<Goals>& goals )
 {
 	io::PathConstraints path;
 	const bool is_file = nb::isinstance<nb::str>( items ) || nb::hasattr( items, "__fspath__" );
@@ -536,7 +550,6 @@ io::PathConstraints itemsOf( const PyChecker& checker, const nb::object& items, 
 	{
 		throw io::Error( request.file, "items", "are missing", "give a file with items, or call plan_request()" );
 	}
-	requireGroup( checker, request );
 	return path;
 }
 
@@ -600,6 +613,27 @@ nb::object sequenceOf( const PyChecker& checker, const io::PathConstraints& path
 	                    legs.object, failed, plan.plan_seconds, message.c_str(), nb::tuple( checkers ) ) );
 }
 
+/// With arrays as goals. @throws io::Error
+std::vector<sequence::Leg> legsOf(
+    const PyChecker& checker, const io::PathConstraints& path, const std::vector<Goals>& goals, const lines::Task& line )
+{
+	std::vector<sequence::Leg> legs = sequence::legsOf( path, line );
+	for ( const Goals& own : goals )
+	{
+		sequence::Leg& leg = legs[own.item];
+		leg.group = own.group;
+		const std::size_t count =
+		    own.group.empty() ? checker.variables() : io::groupVariables( *checker.model, own.group ).size();
+		const Rows rows = rowsOf( own.states, count, "items", "variables of the group" );
+		leg.request.reset();
+		for ( std::size_t k = 0; k < rows.count; ++k )
+		{
+			leg.goals.emplace_back( rows[k], rows[k] + count );
+		}
+	}
+	return legs;
+}
+
 nb::object planSequence( const PyChecker& checker, const nb::object& items, const nb::object& start, const nb::object& tip,
     const nb::object& free_axis, double tolerance, double angle, double speed, double seconds, const Whole& seed,
     double min_d, double slack, const std::string& check, bool smooth, const nb::object& velocity,
@@ -607,8 +641,8 @@ nb::object planSequence( const PyChecker& checker, const nb::object& items, cons
 {
 	const io::Problem& problem = *checker.problem;
 	io::Request request;
-	std::vector<std::pair<std::size_t, Doubles>> goals;
-	const io::PathConstraints path = itemsOf( checker, items, request, goals );
+	std::vector<Goals> goals;
+	const io::PathConstraints path = itemsOf( items, request, goals );
 	lines::Task line;
 	line.tip.pose = poseOrIdentity( tip, "tip" );
 	line.tolerance = tolerance;
@@ -620,16 +654,7 @@ nb::object planSequence( const PyChecker& checker, const nb::object& items, cons
 		const double* axis = vectorOf( numbers, 3, "free_axis", "numbers" );
 		line.free_axis = lw_vec3{ axis[0], axis[1], axis[2] };
 	}
-	std::vector<sequence::Leg> legs = sequence::legsOf( path, line );
-	for ( const auto& [i, states] : goals )
-	{
-		const Rows rows = rowsOf( states, checker.variables(), "items", "variables of the group" );
-		legs[i].request.reset();
-		for ( std::size_t k = 0; k < rows.count; ++k )
-		{
-			legs[i].goals.emplace_back( rows[k], rows[k] + checker.variables() );
-		}
-	}
+	const std::vector<sequence::Leg> legs = legsOf( checker, path, goals, line );
 	sequence::Settings settings{ { settingsOf( checker, min_d, slack, check, seed, velocity, acceleration ) } };
 	settings.states = goal_states.in( "goal_states", 1, std::numeric_limits<std::uint32_t>::max() );
 	setWork( settings, seconds, smooth, request );
@@ -725,7 +750,9 @@ void bindConstrained( nb::class_<PyChecker>& type )
 	    "alternatives; or a mapping: a request as of plan_request(), with goal_constraints and perhaps path_constraints, or with waypoints and\n"
 	    "link_name, a line; or {\"req\": request or array, \"blend_radius\": metres, \"planning_options\": {\"planning_scene_diff\": difference}}: the corner to the\n"
 	    "next line is rounded from that radius on; the difference, in the shape of moveit_msgs/PlanningScene, changes the scene before the motion: objects\n"
-	    "are attached to the hand where they are then, released where it leaves them, added, removed and moved, contacts allowed. start: float64 [dof], in\n"
+	    "are attached to the hand where they are then, released where it leaves them, added, removed and moved, contacts allowed. group_name of a\n"
+	    "request, or beside req where that is an array, is a group among the checker's joints: the motion moves its joints alone, and the others stand\n"
+	    "where the item before left them. An array without one is of the checker's group. start: float64 [dof], in\n"
 	    "place of the first start_state. goal_states: of a pose, at most. tip, free_axis, tolerance, angle, speed: of all lines, as of plan_line(). seconds: of all; infinity: the sum of\n"
 	    "allowed_planning_time, else 60. velocity, acceleration: limits. Returns Sequence; without a plan `failed` is the item that is not found.\n"
 	    "Equal seeds give equal plans, unless the time is over. Ctrl-C ends it. Raises InputError that names the item." );

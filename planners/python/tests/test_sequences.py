@@ -124,3 +124,49 @@ def test_goal_states_and_diffs_are_checked(arm):  # noqa: F811
         checker.plan_sequence([numpy.zeros(7)], numpy.full(7, 0.3), goal_states=0)
     stays = checker.plan_sequence([numpy.full(7, 0.3)], numpy.full(7, 0.3))
     assert stays.solved and stays.times.tolist() == [0] and (stays.positions == 0.3).all()
+
+
+def two_arms(tmp_path):
+    """Two arms of two joints that face each other, each with a ball of 5 cm as its hand; the arms stand at x = -0.5 and 0.5."""
+    links, joints = ["<link name='base'/>"], []
+    for side, origin in (("left", "xyz='-0.5 0 0'"), ("right", "xyz='0.5 0 0' rpy='0 0 3.141592653589793'")):
+        links += [f"<link name='{side}_upper'/><link name='{side}_hand'><collision><origin xyz='0.4 0 0'/><geometry><sphere radius='0.05'/></geometry>"
+                  "</collision></link>"]
+        for name, parent, child, at in (("shoulder", "base", f"{side}_upper", origin), ("elbow", f"{side}_upper", f"{side}_hand", "xyz='0.4 0 0'")):
+            joints += [f"<joint name='{side}_{name}' type='revolute'><parent link='{parent}'/><child link='{child}'/><origin {at}/><axis xyz='0 0 1'/>"
+                       "<limit lower='-3' upper='3' effort='1' velocity='1'/></joint>"]
+    groups = [f"<group name='{side}'><joint name='{side}_shoulder'/><joint name='{side}_elbow'/></group>" for side in ("left", "right")]
+    (tmp_path / "two.urdf").write_text(f"<robot name='two'>{''.join(links + joints)}</robot>")
+    (tmp_path / "two.srdf").write_text(f"<robot name='two'>{''.join(groups)}</robot>")
+    return leeway.Robot(tmp_path / "two.urdf", tmp_path / "two.srdf")
+
+
+def hands(positions):
+    """Centres of both hands, by trigonometry."""
+    out = []
+    for base, sign, (a, b) in ((-0.5, 1, positions.T[:2]), (0.5, -1, positions.T[2:])):
+        out += [numpy.stack([base + sign * 0.4 * (numpy.cos(a) + numpy.cos(a + b)), sign * 0.4 * (numpy.sin(a) + numpy.sin(a + b))], -1)]
+    return out
+
+
+def test_the_arm_that_moved_first_is_not_moved_by_the_second(tmp_path):
+    checker = leeway.Checker(two_arms(tmp_path), group="left+right")
+    start, there = numpy.array([2.5, 0.3, 0.8, 0]), numpy.array([-1.318116, 2.636232])  # the left hand at (-0.3, 0)
+    goal = {"goal_constraints": [{"joint_constraints": [{"joint_name": "right_shoulder", "position": -0.8}, {"joint_name": "right_elbow", "position": 0}]}]}
+    plan = checker.plan_sequence([{"req": there, "group_name": "left"}, dict(goal, group_name="right"), start], start, seconds=20)
+    assert plan.solved, plan.message
+    first, second = ((plan.times > begin - 1e-9) & (plan.times < end + 1e-9) for begin, end in plan.legs[:2])
+    assert (plan.positions[first, 2:] == start[2:]).all() and (plan.positions[second, :2] == there).all()
+    assert (plan.positions[-1] == start).all()
+    times = numpy.linspace(*plan.legs[1], 2000)
+    left, right = hands(numpy.stack([numpy.interp(times, plan.times, plan.positions[:, i]) for i in range(4)], -1))
+    assert numpy.linalg.norm(left - right, axis=1).min() > 0.09  # straight pieces between the points
+    assert checker.trajectory(plan.times, plan.positions, plan.velocities).all_free
+    alone = checker.plan_sequence([dict(goal, group_name="right")], start)
+    assert alone.solved and (alone.positions[:, :2] == start[:2]).all()
+    with pytest.raises(leeway.InputError, match=r"items\[1\]\.req\.group_name.*group rihgt.*use one of left, right"):
+        checker.plan_sequence([there.tolist() + [1, 0], dict(goal, group_name="rihgt")], start)
+    with pytest.raises(leeway.InputError, match="left_shoulder.*group 'right'"):
+        leeway.Checker(two_arms(tmp_path), group="right").plan_sequence([dict(goal, group_name="left")], start[2:])
+    with pytest.raises(ValueError, match="items"):
+        checker.plan_sequence([{"req": start, "group_name": "left"}], start)

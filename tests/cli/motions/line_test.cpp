@@ -281,7 +281,7 @@ TEST_F( CliLine, ItemsOfASequenceArePlannedOneByOne )
 	    { item( start + ", " + goal ) + item( start + ", " + line ), "starts where items[0] ends", {} },
 	    { item( goal ) + item( line ), "start_state", {} },
 	    { item( start + ", " + goal ) + item( goal + ", group_name: legs" ) + item( goal + ", group_name: arm" ),
-	        "plan one group", {} },
+	        "items of different groups", {} },
 	    { item( start + ", planner_id: LIN, " + goal ), "give waypoints", {} },
 	    { item( start + ", " + goal ) + item( "link_name: palm, waypoints: [{position: [0.6, 0, 0]}]" ),
 	        "items[1].req.link_name", {} },

@@ -83,6 +83,56 @@ protected:
 	const std::string held = "{link_name: fore, object: {id: bar, operation: ADD}}";
 };
 
+/// Two arms side by side, one joint each with a ball at 0.4 m; both reach the point between them.
+class CliGroups : public Cli
+{
+protected:
+	void SetUp() override
+	{
+		Cli::SetUp();
+		std::string urdf = "<robot name='two'><link name='base'/>", srdf = "<robot name='two'>";
+		for ( const std::string side : { "left", "right" } )
+		{
+			urdf += "<link name='" + side +
+			        "_hand'><collision><origin xyz='0.4 0 0'/><geometry><sphere radius='0.05'/></geometry>" +
+			        "</collision></link><joint name='" + side + "' type='revolute'><parent link='base'/><child link='" +
+			        side + "_hand'/><origin xyz='" + ( side == "left" ? "0" : "0.8" ) +
+			        " 0 0'/><axis xyz='0 0 1'/><limit lower='-6' upper='6' effort='1' velocity='1'/></joint>";
+			srdf += "<group name='" + side + "_arm'><joint name='" + side + "'/></group>";
+		}
+		write( "two.urdf", urdf + "</robot>" );
+		write( "two.srdf", srdf + "</robot>" );
+		write( "q.yaml",
+		    "items:\n  - req: {group_name: left_arm, start_state: {joint_state: {name: [left, right], position: [1, 1]}}, " +
+		        goal( "left", 0 ) + "}\n  - req: {group_name: right_arm, " + goal( "right", 2 ) + "}\n" );
+	}
+	static std::string goal( const std::string& joint, double position )
+	{
+		return "goal_constraints: [{joint_constraints: [{joint_name: " + joint +
+		       ", position: " + std::to_string( position ) + "}]}]";
+	}
+	Outcome runTwo( const std::string& command, const std::vector<std::string>& more ) const
+	{
+		std::vector<std::string> all = { command, "--robot", "two.urdf", "--srdf", "two.srdf", "--no-cache" };
+		all.insert( all.end(), more.begin(), more.end() );
+		return run( all );
+	}
+	Outcome plan( const std::vector<std::string>& more = {} ) const
+	{
+		std::vector<std::string> all = { "--request", "q.yaml", "--trajectory", "t.json", "--report", "r.json" };
+		all.insert( all.end(), more.begin(), more.end() );
+		return runTwo( "plan", all );
+	}
+	void expectRefused( const Outcome& outcome, const std::vector<std::string>& parts ) const
+	{
+		EXPECT_EQ( 2, outcome.status ) << outcome.out;
+		for ( const std::string& part : parts )
+		{
+			EXPECT_TRUE( contains( outcome.err, part ) ) << part << " is not in " << outcome.err;
+		}
+	}
+};
+
 } // namespace
 
 TEST_F( CliSequence, TheStepsOfASequenceAreNotProvedApart )
@@ -161,4 +211,61 @@ TEST_F( CliSequence, AllGoalStatesAreTaken )
 	EXPECT_EQ( 1, goals( { "--goal-states", "1" } ) );
 	EXPECT_EQ( 3, goals( { "--goal-states", "3" } ) );
 	EXPECT_LT( 3, goals( {} ) );
+}
+
+TEST_F( CliGroups, OneTrajectoryForEachGroup )
+{
+	const Outcome planned = plan( { "--certificate", "c.lwc" } );
+	ASSERT_EQ( 0, planned.status ) << planned.err;
+	EXPECT_TRUE( contains( planned.out, "s, right_arm, to one of 1 goal(s)" ) ) << planned.out;
+	const Json legs = Json::parse( readFile( path( "r.json" ) ) )["legs"];
+	EXPECT_EQ( "left_arm", legs[0]["group"] );
+	EXPECT_EQ( "right_arm", legs[1]["group"] );
+	const Json trajectory = Json::parse( readFile( path( "t.json" ) ) )["joint_trajectory"];
+	EXPECT_EQ( Json( { "left", "right" } ), trajectory["joint_names"] );
+	for ( const Json& point : trajectory["points"] )
+	{
+		const double left = point["positions"][0], right = point["positions"][1];
+		EXPECT_TRUE( right == 1 || left == 0 ) << point; // one after the other
+	}
+	EXPECT_EQ( Json( { 0, 2 } ), trajectory["points"].back()["positions"] );
+	EXPECT_EQ( "LWCERT2", readFile( path( "c.lwc" ) ).substr( 0, 7 ) );
+	const std::vector<std::string> audit = { "--trajectory", "t.json" };
+	EXPECT_EQ( 0, runTwo( "audit", audit ).status ); // all joints of this robot
+	EXPECT_EQ( 0, runTwo( "audit", { "--trajectory", "t.json", "--group", "right_arm+left_arm" } ).status );
+	expectRefused( runTwo( "audit", { "--trajectory", "t.json", "--group", "left_arm" } ), { "right", "not in group" } );
+	expectRefused(
+	    runTwo( "audit", { "--trajectory", "t.json", "--group", "left_arm+arm" } ), { "group arm", "no such group" } );
+}
+
+TEST_F( CliGroups, TheArmThatStandsIsNotSeen )
+{
+	// Where the left hand stands at x = 0.4, the right one cannot come
+	edit( "q.yaml", goal( "right", 2 ), goal( "right", 3.1 ) );
+	const Outcome blocked = plan();
+	EXPECT_EQ( 1, blocked.status ) << blocked.out;
+	EXPECT_TRUE( contains( blocked.err, "leg 2 is not found" ) ) << blocked.err;
+	EXPECT_EQ( 2, Json::parse( readFile( path( "r.json" ) ) )["failed_leg"] );
+	edit( "q.yaml", goal( "left", 0 ), goal( "left", 2 ) );
+	EXPECT_EQ( 0, plan().status );
+}
+
+TEST_F( CliGroups, AGroupOfAnItemIsDropped )
+{
+	expectRefused( plan( { "--group", "left_arm" } ), { "--group", "items of different groups", "leave it out" } );
+	edit( "q.yaml", "right_arm", "rihgt_arm" );
+	expectRefused( plan(), { "q.yaml", "items[1].req.group_name", "group rihgt_arm", "use one of left_arm, right_arm" } );
+	edit( "q.yaml", "rihgt_arm", "right_arm" );
+	const auto line = []( const std::string& side, const char* blend )
+	{ return "link_name: " + side + "_hand, waypoints: [{position: [0, 0, 0]}]}" + blend; };
+	edit( "q.yaml", goal( "left", 0 ) + "}", line( "left", "\n    blend_radius: 0.01" ) );
+	edit( "q.yaml", goal( "right", 2 ) + "}", line( "right", "" ) );
+	expectRefused( plan(), { "q.yaml", "items[0]", "has a blend", "'right_arm'", "give 0" } );
+	// one group for all items, which --group still replaces
+	write( "q.yaml", "items: [{req: {group_name: left_arm, start_state: {}, " + goal( "left", 1 ) + "}}]" );
+	ASSERT_EQ( 0, plan().status );
+	EXPECT_FALSE( Json::parse( readFile( path( "r.json" ) ) )["legs"][0].contains( "group" ) );
+	EXPECT_EQ( Json( { "left" } ), Json::parse( readFile( path( "t.json" ) ) )["joint_trajectory"]["joint_names"] );
+	write( "q.yaml", "items: [{req: {group_name: left_arm, start_state: {}, " + goal( "right", 1 ) + "}}]" );
+	EXPECT_EQ( 0, plan( { "--group", "right_arm" } ).status );
 }

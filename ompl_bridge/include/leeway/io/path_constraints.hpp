@@ -37,7 +37,9 @@ struct PathConstraints
 /// One motion of a sequence.
 struct SequenceItem
 {
-	Request request;         ///< of items behind the first: without a start, which is where the item before ends
+	/// Of items behind the first: without a start, which is where the item before ends. Without a group_name it has the group of the item before;
+	/// the first items without one have the first group that is named.
+	Request request;
 	PathConstraints path;    ///< without items
 	SceneDiff scene;         ///< planning_options.planning_scene_diff: the scene changes before the motion
 	double blend_radius = 0; ///< metres, 0 or more, of the last item 0
@@ -45,8 +47,8 @@ struct SequenceItem
 };
 
 /// loadRequest() of a file whose constraints along the path are no error: they are read into `path`. Visibility constraints stay an Error.
-/// `waypoints` are read too; such a request has no goal. `items` of a sequence are read into `path.items`: the request then has start and group of the
-/// first, the sum of all times, and no goal.
+/// `waypoints` are read too; such a request has no goal. `items` of a sequence are read into `path.items`: the request then has the start of the first,
+/// the groups of all, each once and joined by "+", the sum of all times, and no goal.
 /// @param options for meshes and other files of the objects that items bring
 /// @throws Error
 Request loadConstrainedRequest( const std::string& file, PathConstraints& path, const LoadOptions& options = {} );

@@ -6,6 +6,7 @@
 #include "scene/pose_goal_reader.hpp"
 #include "scene/scene_diff_reader.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace leeway::io
@@ -274,7 +275,31 @@ SequenceItem readItem( const YamlNode& node, std::size_t index, bool last, const
 	return item;
 }
 
-/// Start and group of the first item, and all items.
+/// An item without a group has that of the item before; the first ones have the first that is named.
+/// @return the groups, each once, joined by "+"
+std::string giveGroups( std::vector<SequenceItem>& items )
+{
+	std::vector<std::string> names;
+	std::string all;
+	for ( const SequenceItem& item : items )
+	{
+		const std::string& name = item.request.group;
+		if ( !name.empty() && std::find( names.begin(), names.end(), name ) == names.end() )
+		{
+			names.push_back( name );
+			all += ( all.empty() ? "" : "+" ) + name;
+		}
+	}
+	std::string group = names.empty() ? "" : names.front();
+	for ( SequenceItem& item : items )
+	{
+		group = item.request.group.empty() ? group : item.request.group;
+		item.request.group = group;
+	}
+	return all;
+}
+
+/// Start of the first item, groups of all, and all items.
 void readSequence( const YamlNode& root, Request& request, PathConstraints& path, const LoadOptions& load )
 {
 	root.refuseUnknownKeys( { "items" } );
@@ -288,15 +313,9 @@ void readSequence( const YamlNode& root, Request& request, PathConstraints& path
 	for ( std::size_t i = 0; i < items.size(); ++i )
 	{
 		path.items.push_back( readItem( items[i], i, i + 1 == items.size(), request.file, load ) );
-		const Request& of_item = path.items.back().request;
-		request.allowed_planning_time += of_item.allowed_planning_time;
-		if ( !of_item.group.empty() && !request.group.empty() && of_item.group != request.group )
-		{
-			items[i]["req"]["group_name"].fail(
-			    fmt::format( "is {}, and a motion before is of {}", of_item.group, request.group ), "plan one group" );
-		}
-		request.group = request.group.empty() ? of_item.group : request.group;
+		request.allowed_planning_time += path.items.back().request.allowed_planning_time;
 	}
+	request.group = giveGroups( path.items );
 	request.start = path.items.front().request.start;
 }
 

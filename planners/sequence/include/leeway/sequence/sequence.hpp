@@ -11,8 +11,9 @@
 //
 // A goal counts only if the legs behind it are found: lines are planned from each goal before any motion is that leads there, and a goal from which a
 // later leg is not found gives way to another one, until the time is over. Where a part is held depends on the state in which it is grasped, so each
-// goal has scenes of its own behind it. Motions to goals are those of leeway/manifold/plan.hpp, lines those of
-// leeway/lines/lines.hpp.
+// goal has scenes of its own behind it. A leg with a group of its own moves the joints of that group; all others stand as the legs before left them. The
+// plan is of a group with the joints of all legs, such as "left+right" (RobotModel::useGroup()). Motions to goals are those of
+// leeway/manifold/plan.hpp, lines those of leeway/lines/lines.hpp.
 #pragma once
 
 #include "leeway/io/scene_diff.hpp"
@@ -34,8 +35,10 @@ struct Way
 /// One motion: to a goal, or along a line.
 struct Leg
 {
-	std::string element;                    ///< its place, for errors: "items[1]"; empty: "legs[1]"
-	std::vector<std::vector<double>> goals; ///< group states, alternatives
+	std::string element; ///< its place, for errors: "items[1]"; empty: "legs[1]"
+	/// The joints that move, a part of the plan's group; empty: all of it. Other joints stand as the leg before left them.
+	std::string group;
+	std::vector<std::vector<double>> goals; ///< states of the leg's group, alternatives
 	std::optional<io::Request> request;     ///< in place of `goals`: its goal; poses get states by inverse kinematics
 	io::PathConstraints path;               ///< kept on the way to a goal; of lines: lines::Task::path
 	std::optional<lines::Task>
@@ -44,7 +47,7 @@ struct Leg
 	/// Changes the scene before the motion, in the state in which the leg begins; the robot rests there. Later legs keep it.
 	io::SceneDiff scene;
 	/// Metres: the corner to the next leg is rounded at this distance, without a rest, as lines::Waypoint::blend. Both legs are lines of one
-	/// frame, without constraints, in one scene.
+	/// frame, without constraints, of one group, in one scene.
 	double blend = 0;
 };
 
@@ -80,19 +83,25 @@ struct Result
 
 /// Plans all legs. Not solved: no statement on whether there is a plan.
 /// @param robot the model that `world` was built from
-/// @param world as it is before the first leg; it stays so
+/// @param world as it is before the first leg; it stays so. Its group has the joints of all legs' groups
 /// @param start group state; empty: io::startState()
 /// @throws io::Error that names the leg (neither goal nor line, goals and poses that no state has, a blend that cannot be, a change of the scene that
-/// cannot be, and all of planLines() and planPath()), CoreError
+/// cannot be, a group that is not there or has other joints, and all of planLines() and planPath()), CoreError
 Result planSequence( const io::RobotModel& robot, const io::World& world, const std::vector<Leg>& legs,
     const Settings& settings, const std::vector<double>& start = {} );
 
-/// The same in one scene: legs that change it are an Error.
+/// The same in one scene and for one group: legs that change it, or move other joints, are an Error.
 Result planSequence( const io::RobotModel& robot, const io::Problem& problem, const std::vector<Leg>& legs,
     const Settings& settings, const std::vector<double>& start = {} );
 
-/// Legs of a request's items. @param line frame offset, free axis, tolerances and speed of all lines
+/// Legs of a request's items, with their groups. @param line frame offset, free axis, tolerances and speed of all lines
 std::vector<Leg> legsOf( const io::PathConstraints& sequence, const lines::Task& line );
+
+/// True if two items have different groups.
+bool hasGroups( const io::PathConstraints& sequence );
+
+/// @throws io::Error that names the item whose group the robot lacks, for callers who make a world of the request's group
+void requireGroups( const io::RobotModel& robot, const io::PathConstraints& sequence );
 
 /// Legs that are driven in one scene.
 struct Chapter
