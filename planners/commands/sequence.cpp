@@ -64,8 +64,7 @@ bool tell( const std::vector<std::vector<ConstraintProof>>& legs, Json& json, st
 	return kept;
 }
 
-/// @param several legs have different groups
-Json reportOf( const sequence::Result& plan, const std::vector<sequence::Leg>& legs, bool several )
+Json reportOf( const sequence::Result& plan, const std::vector<sequence::Leg>& legs )
 {
 	Json json = { { "solved", plan.solved }, { "seconds", plan.plan_seconds } };
 	if ( !plan.solved )
@@ -81,7 +80,7 @@ Json reportOf( const sequence::Result& plan, const std::vector<sequence::Leg>& l
 	{
 		const sequence::Motion& leg = plan.legs[i];
 		Json one = { { "begin", leg.begin }, { "seconds", leg.seconds }, { "cubics", leg.count } };
-		if ( several )
+		if ( !legs[i].group.empty() )
 		{
 			one["group"] = legs[i].group;
 		}
@@ -142,7 +141,7 @@ int runSequence( const PlanOptions& options )
 	}
 	const io::World world( input.robot, problemOptions( input, ends.group, {} ), problem );
 	const sequence::Result plan = sequence::planSequence( input.robot, world, legs, settings );
-	Json report = reportOf( plan, legs, several );
+	Json report = reportOf( plan, legs );
 	std::string text = sequence::describe( plan, legs );
 	std::vector<std::string> notes;
 	std::istringstream lines( text );

@@ -97,7 +97,7 @@ void Space::between( const double* a, const double* b, double t, double* out ) c
 	const std::size_t count = size();
 	for ( std::size_t i = 0; i < count; ++i )
 	{
-		out[i] = a[i] + t * ( m_any_wraps ? difference( i, a[i], b[i] ) : b[i] - a[i] );
+		out[i] = a[i] + t * difference( i, a[i], b[i] );
 	}
 	normalise( out );
 }
@@ -126,7 +126,7 @@ void Space::normalise( double* q ) const
 	const double *low = m_lower.data(), *high = m_upper.data();
 	for ( std::size_t i = 0; i < count; ++i )
 	{
-		q[i] = m_any_wraps && wraps( i ) ? difference( i, 0, q[i] ) : std::clamp( q[i], low[i], high[i] );
+		q[i] = wraps( i ) ? difference( i, 0, q[i] ) : std::clamp( q[i], low[i], high[i] );
 	}
 }
 

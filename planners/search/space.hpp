@@ -29,7 +29,7 @@ public:
 	static Space ofLimits( const lw_checker* checker );
 
 	std::size_t size() const { return m_lower.size(); }
-	bool wraps( std::size_t i ) const { return m_wraps[i] != 0; }
+	bool wraps( std::size_t i ) const { return m_any_wraps && m_wraps[i] != 0; }
 	bool anyWraps() const { return m_any_wraps; }
 	const double* lower() const { return m_lower.data(); }
 	const double* upper() const { return m_upper.data(); }

@@ -203,7 +203,8 @@ static uint32_t root_meets( const lane_states* s, const primitive_test* q, uint3
 static bool lane_meets( const lane_states* s, const primitive_test* q, uint32_t lane )
 {
 	const lwi_motion motion = motion_of( &q->motion, lane );
-	lwi_ref stack[MOST_HEIGHT] = { q->shape->root };
+	lwi_ref stack[MOST_HEIGHT];
+	stack[0] = q->shape->root;
 	for ( uint32_t height = 1, opened = 0; height > 0; )
 	{
 		const lwi_ref ref = stack[--height];

@@ -258,8 +258,8 @@ static bool is_apart_from_pieces( plane_test* s, uint64_t key, uint32_t index, l
 	return apart;
 }
 
-/// One piece of a against b or against b's pieces, first what proved it last time: where a piece lies within b's hull, a search for a plane
-/// of all of b is in vain in each window. @param place of its sphere in b's frame
+/// One piece of a against b, or against b's pieces: the planes of the last proof come first. Within b's hull no plane keeps the piece away from
+/// all of b, and a search for one takes as long in each window. @param place of the middle of the piece's sphere, in b's frame
 static bool is_piece_apart( plane_test* s, uint64_t key, uint32_t index, lw_vec3 place, double reach, double margin )
 {
 	const uint64_t of_all = key_of_pieces( key, index, LWI_WIDTH );

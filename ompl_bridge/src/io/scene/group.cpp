@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The variables that a problem's states have.
+// The variables that a problem's states have, and its checker.
 #include "scene/group.hpp"
 
 #include <algorithm>
@@ -48,6 +48,27 @@ void detail::selectGroup( const RobotModel& model, const std::string& group_name
 	{
 		problem.variables.push_back( index.at( name ) );
 	}
+}
+
+void detail::makeChecker(
+    lw_checker_def def, const std::string& file, const std::string& element, const std::string& remedy, Problem& problem )
+{
+	def.robot = problem.robot.get();
+	def.scene = problem.scene.get();
+	def.variables = problem.variables.data();
+	def.variable_count = static_cast<std::uint32_t>( problem.variables.size() );
+	def.reference = problem.reference.data();
+	def.allowed = problem.allowed.data();
+	def.allowed_count = static_cast<std::uint32_t>( problem.allowed.size() );
+	def.reach = problem.reach.reach.get();
+	lw_checker* checker = nullptr;
+	lw_diag diag{};
+	const lw_status status = lw_checker_create( &def, nullptr, &diag, &checker );
+	if ( status != LW_OK )
+	{
+		throw Error( file, element, diag.message[0] != '\0' ? diag.message : lw_status_name( status ), remedy );
+	}
+	problem.checker = Checker::adopt( checker );
 }
 
 } // namespace leeway::io

@@ -408,10 +408,9 @@ void noticeStaticContact( const RobotModel& model, const SceneModel* scene, cons
 void createChecker( const RobotModel& model, const SceneModel* scene, const Contacts& contacts,
     const ProblemOptions& options, Problem& problem )
 {
-	std::vector<lw_link_object_pair>& allowed = problem.allowed;
 	for ( const auto& [link, object] : contacts.link_objects )
 	{
-		allowed.push_back( { lw_robot_find_link( problem.robot.get(), link.c_str() ),
+		problem.allowed.push_back( { lw_robot_find_link( problem.robot.get(), link.c_str() ),
 		    lw_scene_find_object( problem.scene.get(), object.c_str() ) } );
 	}
 	std::set<std::string> attached;
@@ -423,28 +422,13 @@ void createChecker( const RobotModel& model, const SceneModel* scene, const Cont
 	    detail::bindMargins( options.margins, problem, attached, contacts.link_objects, problem.notices );
 	lw_checker_def def = lw_checker_def_default();
 	def.margins = margins.def();
-	def.robot = problem.robot.get();
-	def.scene = problem.scene.get();
-	def.variables = problem.variables.data();
-	def.variable_count = static_cast<std::uint32_t>( problem.variables.size() );
-	def.reference = problem.reference.data();
-	def.allowed = allowed.data();
-	def.allowed_count = static_cast<std::uint32_t>( allowed.size() );
-	def.reach = problem.reach.reach.get();
 	def.max_d = options.max_d;
 	unsigned threads = options.threads;
 	def.prepare = threads > 1 ? makeShapes : nullptr;
 	def.prepare_user = &threads;
-	lw_checker* checker = nullptr;
-	lw_diag diag{};
-	lw_status status = lw_checker_create( &def, nullptr, &diag, &checker );
-	if ( status != LW_OK )
-	{
-		throw Error( scene != nullptr ? scene->file : model.urdf_file,
-		    problem.group.empty() ? "robot " + model.name : "group " + problem.group,
-		    diag.message[0] != '\0' ? diag.message : lw_status_name( status ), "correct the robot, the group or the state" );
-	}
-	problem.checker = Checker::adopt( checker );
+	detail::makeChecker( def, scene != nullptr ? scene->file : model.urdf_file,
+	    problem.group.empty() ? "robot " + model.name : "group " + problem.group,
+	    "correct the robot, the group or the state", problem );
 	noticeStaticContact( model, scene, options, problem );
 }
 

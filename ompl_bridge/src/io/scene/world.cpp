@@ -394,26 +394,10 @@ std::shared_ptr<const Problem> World::problemOf(
 	detail::selectGroup( robot, group, *other );
 	const std::optional<detail::BoundMargins> bound = m_state->bind( *other, m_state->bodies );
 	lw_checker_def def = lw_checker_def_default();
-	def.robot = other->robot.get();
-	def.scene = other->scene.get();
-	def.variables = other->variables.data();
-	def.variable_count = static_cast<std::uint32_t>( other->variables.size() );
-	def.reference = other->reference.data();
-	def.allowed = other->allowed.data();
-	def.allowed_count = static_cast<std::uint32_t>( other->allowed.size() );
 	def.margins = bound ? bound->def() : def.margins;
-	def.reach = other->reach.reach.get();
 	def.max_d = m_state->max_d;
 	def.previous = here.checker.get();
-	lw_checker* checker = nullptr;
-	lw_diag diag{};
-	const lw_status status = lw_checker_create( &def, nullptr, &diag, &checker );
-	if ( status != LW_OK )
-	{
-		throw Error( m_state->file, "group " + group, diag.message[0] != '\0' ? diag.message : lw_status_name( status ),
-		    "correct the state" );
-	}
-	other->checker = Checker::adopt( checker );
+	detail::makeChecker( def, m_state->file, "group " + group, "correct the state", *other );
 	return other;
 }
 
