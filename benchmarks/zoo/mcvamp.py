@@ -1,27 +1,47 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plane and line problems of McVAMP (arXiv 2604.13323), planned by `leeway plan --request`: each solved motion is proved at all times.
+"""Problems of McVAMP (arXiv 2604.13323), planned by `leeway plan --request`: each solved motion is proved at all times.
 
     mcvamp.py --problems plane_problems.json --robot panda.urdf [--srdf panda.srdf] [--limit 100] [--csv results.csv]
 
-McVAMP's files are in github.com/CoMMALab/McVAMP, experiments/assets/problems/benchmark; you fetch them. planes_and_lines.py writes others in their manner. The
-place of the end effector is constrained and its orientation is free. Bounds below --thin are made --thin wide: McVAMP's starts and goals were projected for
+    for file in problems/benchmark/plane_problems problems/benchmark/line_problems problems/benchmark/maze_pen_problems environments/maze/cuboids; do
+        curl -fsSLO https://raw.githubusercontent.com/CoMMALab/McVAMP/main/experiments/assets/$file.json
+    done
+
+fetches McVAMP's files. The maze needs `--cuboids cuboids.json --orientation`. planes_and_lines.py writes other problems in their manner. The
+place of the end effector is constrained and its orientation is free, but for --orientation (the maze). Bounds below --thin are made --thin wide: McVAMP's starts and goals were projected for
 another description of the arm.
 The printed line: solved share, and medians and 95 % of the milliseconds of the search alone, and of search, shortcuts and timing, with all proofs.
 """
 import argparse
 import csv
 import json
+import math
 import pathlib
 import statistics
 import subprocess
 import tempfile
 
 
+def in_maze(problem, walls):
+    """McVAMP's maze keeps its constraint and its pen in the program (benchmark_maze.cc): nine balls of 1 cm along the hand's axis."""
+    if any(wall.get(turn) for wall in walls for turn in ("roll", "pitch", "yaw")):
+        raise SystemExit("a wall of the maze is turned; this reader knows no such walls")
+    return {**problem, "cuboid_obstacles": [[*(wall[k] for k in "xyz"), *(wall["d" + k] / 2 for k in "xyz")] for wall in walls],
+            "eef_transforms": [0, 1, 0, 0, 0.29276255, -0.55347496, 0.20607783], "eef_transforms_ref_frame_w_world": [1, 0, 0, 0, 0, 0, 0],
+            "tsr_lower_bound": [-10.01, -10.01, -0.01, -0.01, -0.01, -10.01], "tsr_upper_bound": [10.01, 10.01, 0.01, 0.01, 0.01, 10.01],
+            "attached": {"link_name": "panda_hand", "touch_links": ["panda_leftfinger", "panda_rightfinger"], "radius": 0.01, "length": 0.18,
+                         "middle": [0, 0, 0.185]}}
+
+
 def scene_of(problem):
     boxes = [f"    - {{id: box{i}, primitives: [{{type: box, dimensions: {[2 * half for half in box[3:]]}}}], "
              f"primitive_poses: [{{position: {box[:3]}, orientation: [0, 0, 0, 1]}}]}}\n" for i, box in enumerate(problem["cuboid_obstacles"])]
-    return "name: mcvamp\nworld:\n  collision_objects:" + ("\n" + "".join(boxes) if boxes else " []\n")
+    pen = problem.get("attached")
+    attached = (f"robot_state:\n  attached_collision_objects:\n    - {{link_name: {pen['link_name']}, touch_links: {json.dumps(pen['touch_links'])}, object: "
+                f"{{id: pen, primitives: [{{type: cylinder, dimensions: [{pen['length']}, {pen['radius']}]}}], primitive_poses: [{{position: {pen['middle']}}}]}}}}\n"
+                if pen else "")
+    return "name: mcvamp\nworld:\n  collision_objects:" + ("\n" + "".join(boxes) if boxes else " []\n") + attached
 
 
 def request_of(problem, options):
@@ -34,12 +54,17 @@ def request_of(problem, options):
     goal = [{"joint_name": name, "position": value} for name, value in zip(joints, problem["problem_end"])]
     region = {"primitives": [{"type": "box", "dimensions": size}],
               "primitive_poses": [{"position": place, "orientation": [x, y, z, w]}]}
+    limits = {"position_constraints": [{
+        "link_name": options.tip, "target_point_offset": dict(zip("xyz", problem.get("tip_offset", options.offset))), "constraint_region": region}]}
+    turns = [min(upper, math.pi) for upper in problem["tsr_upper_bound"][3:]]
+    if options.orientation and min(turns) < math.pi:
+        limits["orientation_constraints"] = [{"link_name": options.tip, "orientation": dict(zip("xyzw", (x, y, z, w))), "parameterization": 0,
+                                              **{f"absolute_{axis}_axis_tolerance": turn for axis, turn in zip("xyz", turns)}}]
     return json.dumps({
         "group_name": options.group,
         "start_state": {"joint_state": {"name": joints, "position": problem["problem_start"]}},
         "goal_constraints": [{"joint_constraints": goal}],
-        "path_constraints": {"position_constraints": [{
-            "link_name": options.tip, "target_point_offset": dict(zip("xyz", problem.get("tip_offset", options.offset))), "constraint_region": region}]}})
+        "path_constraints": limits})
 
 
 def plan(number, problem, options, folder):
@@ -75,12 +100,17 @@ def main():
     parser.add_argument("--offset", type=float, nargs=3, default=[0, 0, 0.105], help="of the end effector in the tip's frame")
     parser.add_argument("--thin", type=float, default=1e-3, help="metres: half of the least width")
     parser.add_argument("--time", type=float, default=10, help="seconds for each")
+    parser.add_argument("--cuboids", type=pathlib.Path, help="walls of McVAMP's maze")
+    parser.add_argument("--orientation", action="store_true", help="keep bounds of the orientation, too")
     parser.add_argument("--limit", type=int, default=None)
     parser.add_argument("--leeway", default="build/bin/leeway")
     parser.add_argument("--csv", type=pathlib.Path, default=None)
     parser.add_argument("--package", action="append", default=[], help="name=folder, for package:// URIs")
     options = parser.parse_args()
     problems = json.loads(options.problems.read_text(encoding="utf-8"))[:options.limit]
+    if options.cuboids:
+        walls = json.loads(options.cuboids.read_text(encoding="utf-8"))
+        problems = [in_maze(problem, walls) for problem in problems]
     with tempfile.TemporaryDirectory() as folder:
         rows = [plan(number, problem, options, pathlib.Path(folder)) for number, problem in enumerate(problems)]
     if options.csv:

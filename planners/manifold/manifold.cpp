@@ -61,6 +61,7 @@ struct Manifold::Parts
 	Derivatives derivatives;              ///< [poses x LW_REGION_LIMITS][variables]
 	State values;                         ///< of rows
 	Derivatives jacobian;                 ///< [rows][variables], of the values
+	State measured;                       ///< where the values and their derivatives are from; empty: nowhere
 	// of one step
 	State wanted, weights, change, moved, right, part;
 	std::vector<char> fixed; ///< [variables]
@@ -156,8 +157,19 @@ struct Manifold::Parts
 		}
 	}
 
+	/// A walk takes the tangent where project() has ended: these are known.
+	void measureWithDerivatives( const State& q )
+	{
+		if ( measured.size() == 0 || measured != q )
+		{
+			measure( q.data(), true );
+			measured = q;
+		}
+	}
+
 	void measure( const double* q, bool derive )
 	{
+		measured.resize( 0 );
 		for ( std::size_t i = 0; i < errors.size(); ++i )
 		{
 			const motions::PoseConstraint& pose = constraints.poses()[i];
@@ -243,7 +255,7 @@ struct Manifold::Parts
 		double before = HUGE_VAL;
 		for ( int step = 0; step < most_steps; ++step )
 		{
-			measure( q.data(), true );
+			measureWithDerivatives( q );
 			double square = 0;
 			bool close = true;
 			for ( Eigen::Index r = 0; r < values.size(); ++r )
@@ -270,7 +282,7 @@ struct Manifold::Parts
 
 	void makeTangent( const State& q, State& direction )
 	{
-		measure( q.data(), true );
+		measureWithDerivatives( q );
 		wanted.setZero();
 		for ( Eigen::Index r = 0; r < values.size(); ++r )
 		{
