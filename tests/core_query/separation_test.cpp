@@ -239,7 +239,7 @@ void random_pair( SeededRng& rng, Moving& a, Moving& b )
 TEST( Separation, ExtremePointOutsideOfHull )
 {
 	SeededRng rng;
-	for ( int i = 0; i < unlessSanitized( 600, 20 ); ++i )
+	for ( int i = 0; i < unlessSanitized( 600, 6 ); ++i )
 	{
 		Moving m = random_moving( rng, rng.decade( -3, 1 ), 0, false );
 		m.places.at[0] = lw_transform_identity();
