@@ -184,7 +184,7 @@ TEST( ConvexMeshes, IntervalMissesTheDistanceOfAllTriangles )
 	const QueryPtr query = makeQuery();
 	int apart = 0, crossing = 0;
 	Hull large;
-	for ( int i = 0; i < unlessSanitized( 2000, 40 ); ++i )
+	for ( int i = 0; i < unlessSanitized( 2000, 100 ); ++i )
 	{
 		const bool climbs = i % 20 == 0; // from vertex to vertex: some hulls of more than LWI_CLIMB_FROM
 		if ( i % 200 == 0 )

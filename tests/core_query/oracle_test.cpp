@@ -31,7 +31,7 @@ int pair_count()
 	{
 		return std::max( 180, std::atoi( text ) );
 	}
-	return unlessSanitized( 3600, 120 );
+	return unlessSanitized( 3600, 360 );
 }
 
 enum Regime

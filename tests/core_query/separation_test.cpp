@@ -239,7 +239,7 @@ void random_pair( SeededRng& rng, Moving& a, Moving& b )
 TEST( Separation, ExtremePointOutsideOfHull )
 {
 	SeededRng rng;
-	for ( int i = 0; i < unlessSanitized( 600, 6 ); ++i )
+	for ( int i = 0; i < unlessSanitized( 600, 20 ); ++i )
 	{
 		Moving m = random_moving( rng, rng.decade( -3, 1 ), 0, false );
 		m.places.at[0] = lw_transform_identity();
@@ -311,7 +311,7 @@ TEST( Separation, NearIsNotNearOrApartIsNotApart )
 	std::printf( "%d apart, %d near; %d of %d planes missed\n", apart, near, missed, separable );
 	EXPECT_GE( apart, unlessSanitized( 300, 3 ) );
 	EXPECT_GE( near, unlessSanitized( 150, 1 ) );
-	EXPECT_LE( missed, separable / 20 );
+	EXPECT_LE( missed, std::max( 2, separable / 20 ) );
 }
 
 TEST( Separation, TwoShapesAreNearerThanTheirPlaneSays )
@@ -350,7 +350,7 @@ TEST( Separation, TwoShapesAreNearerThanTheirPlaneSays )
 	}
 	std::printf( "%d apart; %d of %d planes missed\n", apart, missed, separable );
 	EXPECT_GE( apart, unlessSanitized( 300, 3 ) );
-	EXPECT_LE( missed, separable / 20 );
+	EXPECT_LE( missed, std::max( 2, separable / 20 ) );
 }
 
 TEST( Separation, KnownPlaneThatHoldsIsPassedOver )
