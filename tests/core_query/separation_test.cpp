@@ -3,6 +3,8 @@
 #include "oracle_subject.hpp"
 #include "sanitized.hpp"
 
+#include <algorithm>
+
 #include "distance/separation.h"
 
 namespace
