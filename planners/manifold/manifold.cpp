@@ -61,7 +61,7 @@ struct Manifold::Parts
 	Derivatives derivatives;              ///< [poses x LW_REGION_LIMITS][variables]
 	State values;                         ///< of rows
 	Derivatives jacobian;                 ///< [rows][variables], of the values
-	State measured;                       ///< where the values and their derivatives are from; empty: nowhere
+	State measured;                       ///< where the derivatives are from; not a number: nowhere
 	// of one step
 	State wanted, weights, change, moved, right, part;
 	std::vector<char> fixed; ///< [variables]
@@ -96,6 +96,7 @@ struct Manifold::Parts
 			of_rows->setZero( most );
 		}
 		jacobian.setZero( most, count );
+		measured.setConstant( count, NAN );
 		active.setZero( most, count );
 		normal.setZero( most, most );
 		fixed.resize( problem.variables.size() );
@@ -157,19 +158,15 @@ struct Manifold::Parts
 		}
 	}
 
-	/// A walk takes the tangent where project() has ended: these are known.
-	void measureWithDerivatives( const State& q )
-	{
-		if ( measured.size() == 0 || measured != q )
-		{
-			measure( q.data(), true );
-			measured = q;
-		}
-	}
-
+	/// Values of rows, and their derivatives, which are kept for the next question: a walk takes the tangent where project() has ended.
 	void measure( const double* q, bool derive )
 	{
-		measured.resize( 0 );
+		const Eigen::Map<const State> at( q, measured.size() );
+		if ( derive && measured == at )
+		{
+			return;
+		}
+		measured.setConstant( NAN );
 		for ( std::size_t i = 0; i < errors.size(); ++i )
 		{
 			const motions::PoseConstraint& pose = constraints.poses()[i];
@@ -188,6 +185,7 @@ struct Manifold::Parts
 			values[i] = errors[rows[r].pose].value[rows[r].limit];
 			derive ? static_cast<void>( jacobian.row( i ) = derivatives.row( from ) ) : void();
 		}
+		derive ? static_cast<void>( measured = at ) : void();
 	}
 
 	/// change = moved + the smallest further change of joints, so that rows change as wanted. Rows of weight 0 and fixed joints are left out.
@@ -255,7 +253,7 @@ struct Manifold::Parts
 		double before = HUGE_VAL;
 		for ( int step = 0; step < most_steps; ++step )
 		{
-			measureWithDerivatives( q );
+			measure( q.data(), true );
 			double square = 0;
 			bool close = true;
 			for ( Eigen::Index r = 0; r < values.size(); ++r )
@@ -282,7 +280,7 @@ struct Manifold::Parts
 
 	void makeTangent( const State& q, State& direction )
 	{
-		measureWithDerivatives( q );
+		measure( q.data(), true );
 		wanted.setZero();
 		for ( Eigen::Index r = 0; r < values.size(); ++r )
 		{
