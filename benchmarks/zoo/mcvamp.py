@@ -8,9 +8,9 @@
         curl -fsSLO https://raw.githubusercontent.com/CoMMALab/McVAMP/main/experiments/assets/$file.json
     done
 
-fetches McVAMP's files. The maze needs `--cuboids cuboids.json --orientation`. planes_and_lines.py writes other problems in their manner. The
-place of the end effector is constrained and its orientation is free, but for --orientation (the maze). Bounds below --thin are made --thin wide: McVAMP's starts and goals were projected for
-another description of the arm.
+fetches McVAMP's files. The maze needs `--cuboids cuboids.json --orientation`. planes_and_lines.py writes other problems in their manner. The place of the end
+effector is constrained and its orientation is free, but for --orientation (the maze). Bounds below --thin are made --thin wide: McVAMP's starts and goals were
+projected for another description of the arm.
 The printed line: solved share, and medians and 95 % of the milliseconds of the search alone, and of search, shortcuts and timing, with all proofs.
 """
 import argparse
@@ -23,15 +23,18 @@ import subprocess
 import tempfile
 
 
+PEN = {"radius": 0.01, "length": 0.18, "middle": [0, 0, 0.185]}  # along the hand's z axis: nine balls of 1 cm in McVAMP
+TOUCH = ["panda_leftfinger", "panda_rightfinger"]
+
+
 def in_maze(problem, walls):
-    """McVAMP's maze keeps its constraint and its pen in the program (benchmark_maze.cc): nine balls of 1 cm along the hand's axis."""
+    """McVAMP's maze keeps its constraint and its pen in the program (benchmark_maze.cc)."""
     if any(wall.get(turn) for wall in walls for turn in ("roll", "pitch", "yaw")):
         raise SystemExit("a wall of the maze is turned; this reader knows no such walls")
     return {**problem, "cuboid_obstacles": [[*(wall[k] for k in "xyz"), *(wall["d" + k] / 2 for k in "xyz")] for wall in walls],
             "eef_transforms": [0, 1, 0, 0, 0.29276255, -0.55347496, 0.20607783], "eef_transforms_ref_frame_w_world": [1, 0, 0, 0, 0, 0, 0],
             "tsr_lower_bound": [-10.01, -10.01, -0.01, -0.01, -0.01, -10.01], "tsr_upper_bound": [10.01, 10.01, 0.01, 0.01, 0.01, 10.01],
-            "attached": {"link_name": "panda_hand", "touch_links": ["panda_leftfinger", "panda_rightfinger"], "radius": 0.01, "length": 0.18,
-                         "middle": [0, 0, 0.185]}}
+            "attached": {"link_name": "panda_hand", "touch_links": TOUCH, **PEN}}
 
 
 def scene_of(problem):

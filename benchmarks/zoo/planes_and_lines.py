@@ -10,7 +10,7 @@ maze          A hand with a pen of 18 cm keeps its height and looks down, and th
               share. Ends are in random cells, in random branches of the inverse kinematics: nothing says that a way leads from one branch to the other.
 
 In all but the maze random cubes of 2 to 5 cm are about the arm, 0 to 90 in steps of 10; those at the ends are left out, and a problem counts if leeway
-finds a path without the constraint in a second.
+finds a path without the constraint in a second. `--like line_problems.json` takes ends and constraint from the first problem of McVAMP's file.
 """
 import argparse
 import itertools
@@ -20,12 +20,13 @@ import pathlib
 import numpy
 
 import leeway
+from mcvamp import PEN, TOUCH
 
 DOWN = [1, 0, 0, 0]  # quaternion x y z w
 MAZE = numpy.array([[0.2, -0.65], [0.65, 0.65]])  # corners on the table
 CELLS = (3, 8)
 WALL = [0.012, 0.1]  # thickness, height
-PEN = {"radius": 0.01, "length": 0.18, "middle": [0, 0, 0.185]}  # along the tip's z axis
+FREE = [1000, 1000, 1000]  # turns without a bound
 OFFSET = [0, 0, 0.105]  # of the point of a sweep
 HEIGHT = 0.311  # of the tip: its pen ends 36 mm above the table
 
@@ -35,24 +36,26 @@ def cubes_of(count, rng):
     return [[*rng.uniform([-0.8, -0.8, -0.2], [0.8, 0.8, 0.9]).tolist(), *[float(numpy.clip(rng.normal(0.0165, 0.0045), 0.01, 0.025))] * 3] for _ in range(count)]
 
 
-def tip_of(robot, checker, state, options):
-    return robot.fk(checker.full_state(state)[:len(robot.variables)])[robot.links.index(options.tip), :3, 3]
+def problem_of(checker, ends, pose, bounds, **more):
+    """pose: of the box, w x y z and place; bounds: half sizes and turns of the box."""
+    return {"eef_transforms": pose, "eef_transforms_ref_frame_w_world": [1, 0, 0, 0, 0, 0, 0],
+            "problem_start": ends[0].tolist(), "problem_end": ends[1].tolist(), "joint_names": list(checker.variables), "tip_offset": [0, 0, 0],
+            "tsr_lower_bound": [-bound for bound in bounds], "tsr_upper_bound": bounds, **more}
 
 
-def random_state(checker, rng):
+def between_states(robot, checker, options, rng):
+    """The tips of two states in a plane or on a line along axes of the world; None if there is no second state."""
     states = rng.uniform(numpy.maximum(checker.lower, -numpy.pi), numpy.minimum(checker.upper, numpy.pi), (200, checker.dof))
-    return states[checker.is_free(states)][0]
-
-
-def ends_of(robot, checker, options, rng):
-    """Two states, and the axes along which the tip may move; or None."""
-    start = random_state(checker, rng)
-    place = tip_of(robot, checker, start, options).copy()
+    start = states[checker.is_free(states)][0]
+    tip = robot.fk(checker.full_state(start)[:len(robot.variables)])[robot.links.index(options.tip), :3, 3]
     axes = rng.permutation(3)[:2 if options.kind == "plane" else 1]
     way = rng.normal(size=len(axes))
+    place = tip.copy()
     place[axes] += way * rng.uniform(0.3, 1.2) / numpy.linalg.norm(way)
     goals = checker.goal_states(options.tip, [*place, 0, 0, 0, 1], angle_tolerance=numpy.pi, count=1, seed=1).states
-    return (start, goals[0], axes) if len(goals) else None
+    half = 1e-3 if options.kind == "plane" else 2.5e-3
+    bounds = [10 if k in axes else half for k in range(3)] + FREE
+    return problem_of(checker, (start, goals[0]), [1, 0, 0, 0, *tip.tolist()], bounds) if len(goals) else None
 
 
 def sweep_of(checker, options):
@@ -60,38 +63,22 @@ def sweep_of(checker, options):
     left, right = (checker.goal_states(options.tip, [0.35, y, 0.24 + OFFSET[2], *DOWN], count=40, seed=1).states for y in (0.65, -0.65))
     distances = numpy.linalg.norm(left[:, None] - right[None], axis=2)
     i, k = numpy.unravel_index(distances.argmin(), distances.shape)
-    return left[i], right[k], [1]
+    return problem_of(checker, (left[i], right[k]), [1, 0, 0, 0, 0.35, 0.65, 0.24], [2.5e-3, 10, 2.5e-3] + FREE, tip_offset=OFFSET)
 
 
-def problem_of(checker, tip, ends, bounds, **more):
-    lower, upper = bounds
-    return {"eef_transforms": [1, 0, 0, 0, *map(float, tip)], "eef_transforms_ref_frame_w_world": [1, 0, 0, 0, 0, 0, 0],
-            "problem_start": ends[0].tolist(), "problem_end": ends[1].tolist(), "joint_names": list(checker.variables), "tip_offset": [0, 0, 0],
-            "tsr_lower_bound": [*lower, -1000, -1000, -1000], "tsr_upper_bound": [*upper, 1000, 1000, 1000], **more}
-
-
-def among_cubes(robot, options, count, rng):
-    """One problem along axes of the world, or None if its ends have no path without the constraint."""
+def among_cubes(robot, options, problem, count, rng):
+    """The problem with random cubes, or None if its ends have no path without the constraint."""
     world = leeway.World(robot, group=options.group)
     checker = world.checker
-    ends = sweep_of(checker, options) if options.kind == "sweep" else ends_of(robot, checker, options, rng)
-    if ends is None:
-        return None
-    start, goal, axes = ends
-    tip, variables = tip_of(robot, checker, start, options), checker
-    offset = OFFSET if options.kind == "sweep" else [0, 0, 0]  # along the world's z, since the hand looks down at the start
+    ends = problem["problem_start"], problem["problem_end"]
     kept = []
     for i, cube in enumerate(cubes_of(count, rng)):
         checker = world.add(f"box{i}", leeway.Shape.box(*(2 * half for half in cube[3:])), cube[:3])
-        if (checker.clearance([start, goal]).upper > 0.001).all():
+        if (checker.clearance(ends).upper > 0.001).all():
             kept.append(cube)
         else:
             checker = world.remove(f"box{i}")
-    if not checker.plan(start, goal, seconds=1, seed=1).solved:
-        return None
-    half = 1e-3 if options.kind == "plane" else 2.5e-3
-    bounds = [-10 if k in axes else -half for k in range(3)], [10 if k in axes else half for k in range(3)]
-    return problem_of(variables, tip - offset, (start, goal), bounds, cuboid_obstacles=kept, tip_offset=offset)
+    return {**problem, "cuboid_obstacles": kept} if checker.plan(*ends, seconds=1, seed=1).solved else None
 
 
 def walls_of(rng):
@@ -139,16 +126,17 @@ def maze_problems(robot, options, rng):
             pose = [*cell, HEIGHT, numpy.cos(turn), numpy.sin(turn), 0, 0]
             ends.append(checker.goal_states(options.tip, pose, count=8, seed=int(rng.integers(1000000))).states)
         if all(len(states) for states in ends):
-            problem = problem_of(checker, [0, 0, HEIGHT], [rng.choice(states) for states in ends], ([-10, -10, -0.01], [10, 10, 0.01]),
-                                 cuboid_obstacles=walls, attached={"link_name": options.tip, "touch_links": options.touch, **PEN})
-            problem["eef_transforms"][:4] = [0, 1, 0, 0]
-            yield {**problem, "tsr_lower_bound": [-10, -10, -0.01, -0.01, -0.01, -1000], "tsr_upper_bound": [10, 10, 0.01, 0.01, 0.01, 1000]}
+            yield problem_of(checker, [rng.choice(states) for states in ends], [0, 1, 0, 0, 0, 0, HEIGHT], [10, 10, 0.01, 0.01, 0.01, 1000],
+                             cuboid_obstacles=walls, attached={"link_name": options.tip, "touch_links": options.touch, **PEN})
 
 
 def cube_problems(robot, options, rng):
+    checker = leeway.Checker(robot, group=options.group)
+    shared = json.loads(options.like.read_text(encoding="utf-8"))[0] if options.like else sweep_of(checker, options) if options.kind == "sweep" else None
     count = 0
     while True:
-        problem = among_cubes(robot, options, 10 * (count % 10), rng)
+        one = shared or between_states(robot, checker, options, rng)
+        problem = among_cubes(robot, options, one, 10 * (count % 10), rng) if one else None
         if problem:
             count += 1
             yield problem
@@ -163,7 +151,8 @@ def main():
     parser.add_argument("--srdf", default="")
     parser.add_argument("--group", default="panda_arm")
     parser.add_argument("--tip", default="panda_hand")
-    parser.add_argument("--touch", nargs="*", default=["panda_leftfinger", "panda_rightfinger"], help="links that the pen may touch")
+    parser.add_argument("--touch", nargs="*", default=TOUCH, help="links that the pen may touch")
+    parser.add_argument("--like", type=pathlib.Path, help="a file of McVAMP's")
     parser.add_argument("--package", action="append", default=[], help="name=folder, for package:// URIs")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
