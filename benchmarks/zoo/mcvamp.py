@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Problems of McVAMP (arXiv 2604.13323), planned by `leeway plan --request`: each solved motion is proved at all times.
+"""Problems of McVAMP (arXiv 2604.13323), planned by Checker.plan_request(): each solved motion is proved at all times.
 
-    mcvamp.py --problems plane_problems.json --robot panda.urdf [--srdf panda.srdf] [--limit 100] [--csv results.csv]
+    PYTHONPATH=build/python mcvamp.py --problems plane_problems.json --robot panda.urdf [--srdf panda.srdf] [--limit 100] [--csv results.csv]
 
     for file in problems/benchmark/plane_problems problems/benchmark/line_problems problems/benchmark/maze_pen_problems environments/maze/cuboids; do
         curl -fsSLO https://raw.githubusercontent.com/CoMMALab/McVAMP/main/experiments/assets/$file.json
@@ -10,8 +10,10 @@
 
 fetches McVAMP's files. The maze needs `--cuboids cuboids.json --orientation`. planes_and_lines.py writes other problems in their manner. The place of the end
 effector is constrained and its orientation is free, but for --orientation (the maze). Bounds below --thin are made --thin wide: McVAMP's starts and goals were
-projected for another description of the arm.
-The printed line: solved share, and medians and 95 % of the milliseconds of the search alone, and of search, shortcuts and timing, with all proofs.
+projected for another description of the arm, and those of its lines lie up to 10 mm beside them: --project leads both ends to the middle of thin bounds.
+Each problem is planned --runs times in this process, and the last run counts, as McVAMP plans one problem after another in a process.
+The printed lines: solved share, and medians and 95 % of the milliseconds of the search alone, and of the call, with shortcuts, timing and all proofs; of all
+problems, and by the number of obstacles.
 """
 import argparse
 import csv
@@ -19,8 +21,12 @@ import json
 import math
 import pathlib
 import statistics
-import subprocess
 import tempfile
+import time
+
+import numpy
+
+import leeway
 
 
 PEN = {"radius": 0.01, "length": 0.18, "middle": [0, 0, 0.185]}  # along the hand's z axis: nine balls of 1 cm in McVAMP
@@ -63,33 +69,64 @@ def request_of(problem, options):
     if options.orientation and min(turns) < math.pi:
         limits["orientation_constraints"] = [{"link_name": options.tip, "orientation": dict(zip("xyzw", (x, y, z, w))), "parameterization": 0,
                                               **{f"absolute_{axis}_axis_tolerance": turn for axis, turn in zip("xyz", turns)}}]
-    return json.dumps({
+    return {
         "group_name": options.group,
         "start_state": {"joint_state": {"name": joints, "position": problem["problem_start"]}},
         "goal_constraints": [{"joint_constraints": goal}],
-        "path_constraints": limits})
+        "path_constraints": limits}
 
 
-def plan(number, problem, options, folder):
+def turned(pose):
+    """The rotation of w x y z ..."""
+    w, x, y, z = numpy.array(pose[:4]) / numpy.linalg.norm(pose[:4])
+    return numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+
+
+def projected(problem, robot, checker, options):
+    """Newton steps of the ends' places to the middle of thin bounds."""
+    thin = [axis for axis in range(3) if problem["tsr_upper_bound"][axis] < 1]
+    axes = turned(problem["eef_transforms"]).T[thin]
+    ends = {}
+    for key in ("problem_start", "problem_end"):
+        q = numpy.array(problem[key], dtype=float)
+        for _ in range(20):
+            pose = robot.fk(checker.full_state(q)[:len(robot.variables)])[robot.links.index(options.tip)]
+            point = pose[:3, :3] @ problem.get("tip_offset", options.offset) + pose[:3, 3]
+            q = q - numpy.linalg.pinv(axes @ checker.point_jacobian(q, options.tip, point)) @ (axes @ (point - problem["eef_transforms"][4:]))
+        ends[key] = q.tolist()
+    return {**problem, **ends}
+
+
+def plan(number, problem, robot, options, folder):
+    row = {"problem": number, "obstacles": len(problem["cuboid_obstacles"]), "solved": False}
     (folder / "scene.yaml").write_text(scene_of(problem), encoding="utf-8")
-    (folder / "request.yaml").write_text(request_of(problem, options), encoding="utf-8")
-    report = folder / "report.json"
-    report.unlink(missing_ok=True)
-    command = [options.leeway, "plan", "--robot", options.robot, "--scene", folder / "scene.yaml", "--request", folder / "request.yaml",
-               "--trajectory", folder / "plan.json", "--report", report, "--time", str(options.time),
-               *(["--srdf", options.srdf] if options.srdf else []), *(word for name in options.package for word in ("--package-path", name))]
-    run = subprocess.run(command, capture_output=True, text=True, check=False)
-    row = {"problem": number, "obstacles": len(problem["cuboid_obstacles"]), "solved": run.returncode == 0}
-    if not report.exists():
-        return {**row, "status": run.stderr.strip().splitlines()[-1] if run.stderr else "no answer"}
-    answer = json.loads(report.read_text(encoding="utf-8"))
-    return {**row, "status": answer["status"], "search": answer["seconds"]["search"], "seconds": sum(answer["seconds"].values()),
-            "length": answer.get("path", {}).get("length"), "duration": answer.get("duration")}
+    checker = leeway.Checker(robot, leeway.Scene(folder / "scene.yaml"), group=options.group)
+    if options.project:
+        problem = projected(problem, robot, checker, options)
+    try:
+        for _ in range(options.runs):
+            begin = time.perf_counter()
+            found = checker.plan_request(request_of(problem, options), seconds=options.time)
+            seconds = time.perf_counter() - begin
+    except leeway.InputError as error:
+        return {**row, "status": str(error)}
+    if not found.solved:
+        return {**row, "status": found.message.splitlines()[0]}
+    return {**row, "solved": True, "status": "solved", "search": found.seconds, "seconds": seconds, "length": found.length, "duration": found.times[-1]}
 
 
 def percentile(rows, key):
     values = sorted(row[key] for row in rows)
     return values[min(len(values) - 1, int(0.95 * len(values)))]
+
+
+def summary(rows):
+    solved = [row for row in rows if row["solved"]]
+    return f"{len(solved)} of {len(rows)} solved" + "".join(
+        f"; {name}: median {statistics.median(row[key] for row in solved) * 1e3:.2f} ms, 95 % {percentile(solved, key) * 1e3:.1f} ms"
+        for name, key in (("search", "search"), ("all", "seconds")) if solved)
 
 
 def main():
@@ -106,7 +143,8 @@ def main():
     parser.add_argument("--cuboids", type=pathlib.Path, help="walls of McVAMP's maze")
     parser.add_argument("--orientation", action="store_true", help="keep bounds of the orientation, too")
     parser.add_argument("--limit", type=int, default=None)
-    parser.add_argument("--leeway", default="build/bin/leeway")
+    parser.add_argument("--project", action="store_true", help="lead starts and goals to the constraint first")
+    parser.add_argument("--runs", type=int, default=2, help="of each problem; the last one counts")
     parser.add_argument("--csv", type=pathlib.Path, default=None)
     parser.add_argument("--package", action="append", default=[], help="name=folder, for package:// URIs")
     options = parser.parse_args()
@@ -114,17 +152,18 @@ def main():
     if options.cuboids:
         walls = json.loads(options.cuboids.read_text(encoding="utf-8"))
         problems = [in_maze(problem, walls) for problem in problems]
+    robot = leeway.Robot(options.robot, options.srdf, packages=options.package)
     with tempfile.TemporaryDirectory() as folder:
-        rows = [plan(number, problem, options, pathlib.Path(folder)) for number, problem in enumerate(problems)]
+        rows = [plan(number, problem, robot, options, pathlib.Path(folder)) for number, problem in enumerate(problems)]
     if options.csv:
         with options.csv.open("w", newline="", encoding="utf-8") as out:
             writer = csv.DictWriter(out, ["problem", "obstacles", "solved", "status", "search", "seconds", "length", "duration"])
             writer.writeheader()
             writer.writerows(rows)
-    solved = [row for row in rows if row["solved"]]
-    print(f"{len(solved)} of {len(rows)} solved" + "".join(
-        f"; {name}: median {statistics.median(row[key] for row in solved) * 1e3:.2f} ms, 95 % {percentile(solved, key) * 1e3:.1f} ms"
-        for name, key in (("search", "search"), ("all", "seconds")) if solved))
+    print(summary(rows))
+    counts = sorted({row["obstacles"] for row in rows})
+    for count in counts if len(counts) > 1 else []:
+        print(f"  {count} obstacles: {summary([row for row in rows if row['obstacles'] == count])}")
     for status in sorted({row["status"] for row in rows if not row["solved"]}):
         print(f"  {sum(row['status'] == status for row in rows if not row['solved'])}: {status}")
 
