@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Several files of a target in one compilation: readers of JSON, YAML and options, Eigen and OMPL spend most of a compilation in headers and
-# in templates, so that eight files take as long as three. LEEWAY_UNITY=TESTS: tests and benchmarks, whose files need not stand alone.
-# LEEWAY_UNITY=ALL: the libraries and the program, too; for sanitizers, whose builds take twice as long. A name in an anonymous namespace then has to be
+# in templates, so that eight files take as long as three. LEEWAY_UNITY=TESTS: tests, benchmarks and the program, whose files need not stand alone.
+# LEEWAY_UNITY=ALL: the libraries, too; for sanitizers, whose builds take twice as long. A name in an anonymous namespace then has to be
 # the only one of its target, or its file stands alone below.
-set(together_tests test_cli test_native_planner test_ompl test_manifold_ompl test_pose_goals test_bench leeway_bench
+set(together_tests leeway test_cli test_native_planner test_ompl test_manifold_ompl test_pose_goals test_bench leeway_bench
   leeway_planning)
-set(together_all leeway leeway_io leeway_ik leeway_view leeway_ompl leeway_planners leeway_plan leeway_pairs leeway_tune leeway_lines
+set(together_all leeway_io leeway_ik leeway_view leeway_ompl leeway_planners leeway_plan leeway_pairs leeway_tune leeway_lines
   leeway_manifold leeway_certify leeway_referee leeway_replay leeway_fuzz_targets kitchen_model)
 
 set(together ${together_tests})
