@@ -24,7 +24,8 @@ constexpr unsigned first_pieces = 12; // of the path, before the first push
 constexpr std::size_t most_points = 48;
 constexpr double approach = 0.1;        // share of the length beside each end that keeps the clearance that it has
 constexpr std::uint32_t most_rows = 16; // near pairs of a state that push it
-constexpr unsigned sweeps = 3;          // pushes of each point in a round
+constexpr double near_alpha = 0.8;      // their directions count, and proofs come after: exact distances take twice the time
+constexpr unsigned sweeps = 2;          // pushes of each point in a round
 constexpr double overshoot = 1.15;      // of the goal: between two points the clearance is lower than at them
 constexpr double pull = 0.5;            // share of the way to the middle of the neighbours
 constexpr double longest_push = 0.35;   // of the mean length of edges
@@ -106,10 +107,10 @@ private:
 		}
 	}
 
-	/// The path's states, points between them, and points where its middle begins and ends.
+	/// The path's states, and points where its middle begins and ends.
 	void makeBand()
 	{
-		const double length = m_report.length_before, piece = length / first_pieces;
+		const double length = m_report.length_before, near = 0.25 * length / first_pieces;
 		const double marks[] = { approach * length, ( 1 - approach ) * length };
 		std::vector<double> between( m_space.size() );
 		double passed = 0;
@@ -117,32 +118,36 @@ private:
 		for ( std::size_t i = 0; i + 1 < m_path.count(); ++i )
 		{
 			const double edge = m_space.distance( m_path[i], m_path[i + 1] );
-			std::vector<double> places;
-			const double parts = std::max( 1.0, std::ceil( edge / piece ) );
-			for ( double k = 1; k < parts; ++k )
-			{
-				places.push_back( passed + edge * k / parts );
-			}
 			for ( const double mark : marks )
 			{
-				const double near = 0.25 * piece;
-				const bool has =
-				    std::any_of( places.begin(), places.end(), [&]( double p ) { return std::fabs( p - mark ) < near; } );
-				if ( !has && mark > passed + near && mark < passed + edge - near )
+				if ( mark > passed + near && mark < passed + edge - near )
 				{
-					places.push_back( mark );
+					m_space.between( m_path[i], m_path[i + 1], ( mark - passed ) / edge, between.data() );
+					m_band.add( between.data(), m_space.size() );
 				}
-			}
-			std::sort( places.begin(), places.end() );
-			for ( const double place : places )
-			{
-				m_space.between( m_path[i], m_path[i + 1], ( place - passed ) / edge, between.data() );
-				m_band.add( between.data(), m_space.size() );
 			}
 			m_band.add( m_path[i + 1], m_space.size() );
 			passed += edge;
 		}
 		findMiddle( marks );
+	}
+
+	/// Points between those of the band, which keep the proofs of its edges.
+	void dividePieces()
+	{
+		const double piece = m_report.length_before / first_pieces;
+		std::vector<double> between( m_space.size() );
+		for ( std::size_t i = 0; i < m_band.edges.size(); ++i )
+		{
+			const double edge = m_space.distance( m_band.points[i].q.data(), m_band.points[i + 1].q.data() );
+			for ( double parts = std::max( 1.0, std::ceil( edge / piece ) ); parts > 1; --parts, ++i )
+			{
+				m_space.between( m_band.points[i].q.data(), m_band.points[i + 1].q.data(), 1 / parts, between.data() );
+				m_band.insert( i, between );
+			}
+		}
+		m_spacing = m_band.length( m_space ) / static_cast<double>( m_band.edges.size() );
+		m_low[0] = m_low[1] = {}; // edges have other numbers now
 	}
 
 	void findMiddle( const double marks[2] )
@@ -161,20 +166,13 @@ private:
 			passed +=
 			    i < m_band.edges.size() ? m_space.distance( m_band.points[i].q.data(), m_band.points[i + 1].q.data() ) : 0;
 		}
-		m_spacing = passed / static_cast<double>( m_band.edges.size() );
 	}
 
 	/// @return false if nothing is to be done, or can be
 	bool measureBefore()
 	{
-		bool free = false;
-		m_status = areFree( m_checker, m_query, m_settings.edge, m_path, free, &m_report.work );
-		if ( m_status != LW_OK || !free )
-		{
-			m_report.notice = "the path is not proved free";
-			return false;
-		}
 		const std::size_t end = m_band.points.size() - 1;
+		bool free = true; // margins prove it; else it is asked below
 		for ( unsigned k = 0; k < kinds; ++k )
 		{
 			if ( isAsked( k ) )
@@ -182,8 +180,10 @@ private:
 				ClearanceChange& c = change( k );
 				c.middle_before = atLeastFree(
 				    m_prover.enclose( m_band, k, m_band.first, m_band.last, m_cap[k], m_cap[k], 0, &m_low[k] ) );
-				c.before = atLeastFree( m_prover.enclose(
-				    m_band, k, 0, end, m_cap[k], std::min( c.middle_before.upper, m_cap[k] ), 0, nullptr ) );
+				const ClearanceRange whole =
+				    m_prover.enclose( m_band, k, 0, end, m_cap[k], std::min( c.middle_before.upper, m_cap[k] ), 0, nullptr );
+				free = free && whole.lower > 0;
+				c.before = atLeastFree( whole );
 				c.middle_before.lower =
 				    std::max( c.middle_before.lower, c.before.lower ); // the middle is a part of the whole
 				c.after = c.before;
@@ -192,7 +192,18 @@ private:
 				m_first_score += score( k, c.middle_before );
 			}
 		}
+		if ( status() == LW_OK && !free )
+		{
+			m_status = areFree( m_checker, m_query, m_settings.edge, m_path, free, &m_report.work );
+		}
+		if ( status() != LW_OK || !free )
+		{
+			m_report.environment = m_report.self = {};
+			m_report.notice = "the path is not proved free";
+			return false;
+		}
 		m_best_score = m_first_score;
+		dividePieces();
 		m_best = m_band;
 		return status() == LW_OK && !isReached();
 	}
@@ -465,7 +476,7 @@ private:
 		lw_near_def def = lw_near_def_default();
 		def.flags = m_settings.edge.flags;
 		def.distance = 1.3 * std::max( want[0], want[1] );
-		def.alpha = 0.1;
+		def.alpha = near_alpha;
 		def.derivatives = m_rows.data();
 		if ( !( def.distance > 0 ) )
 		{
