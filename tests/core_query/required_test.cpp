@@ -27,7 +27,7 @@ void expectBlocked(
 TEST( Required, LessChangesAnAnswer )
 {
 	SeededRng rng;
-	int free = 0, blocked = 0, outside = 0, edges = 0, different = 0, fewer = 0, unmade = 0;
+	int free = 0, blocked = 0, outside = 0, edges = 0, different = 0, elsewhere = 0, fewer = 0, unmade = 0;
 	for ( int i = 0; i < 150 && !HasFailure(); ++i )
 	{
 		SCOPED_TRACE( ::testing::Message() << "world " << i );
@@ -78,8 +78,13 @@ TEST( Required, LessChangesAnAnswer )
 				{
 					expectBlocked( world, whole.get(), query.get(), q, to, got.t, min_d );
 				}
-				EXPECT_NEAR( want.proved_until, got.proved_until,
-				    0.25 ); // the last window that was proved may be a quarter of the edge
+				// The last window that was proved may be a quarter of the edge, and a run may end where states are used up; but it
+				// never goes beyond a state that is too near.
+				elsewhere += std::fabs( want.proved_until - got.proved_until ) > 0.25;
+				if ( want.verdict == LW_VERDICT_BLOCKED && want_status == LW_OK && method == LW_EDGE_CERTIFIED )
+				{
+					EXPECT_LE( got.proved_until, want.t );
+				}
 			}
 		}
 		bool all_made = std::all_of( lazy.shapes.begin(), lazy.shapes.end(),
@@ -100,6 +105,7 @@ TEST( Required, LessChangesAnAnswer )
 	EXPECT_GE( outside, 100 );
 	EXPECT_GE( edges, 1000 );
 	EXPECT_LE( different, edges / 200 ) << "edges with another verdict";
+	EXPECT_LE( elsewhere, edges / 500 ) << "edges whose proved part ends elsewhere";
 	EXPECT_GE( fewer, 40 ) << "scenes of which something is passed over";
 	EXPECT_GE( unmade, 20 ) << "worlds in which some mesh was never needed";
 }
