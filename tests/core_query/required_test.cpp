@@ -22,6 +22,14 @@ void expectBlocked(
 	EXPECT_EQ( LW_VERDICT_BLOCKED, ask( checker, query, at, range ).verdict );
 }
 
+/// Shapes of scene and robot that are meshes.
+int meshesOf( const World& world )
+{
+	const auto is_mesh = []( const auto& s ) { return lw_shape_get_info( s.shape ).type == LW_SHAPE_MESH; };
+	return static_cast<int>( std::count_if( world.placed.begin(), world.placed.end(), is_mesh ) +
+	                         std::count_if( world.model.bodies.begin(), world.model.bodies.end(), is_mesh ) );
+}
+
 } // namespace
 
 TEST( Required, LessChangesAnAnswer )
@@ -94,12 +102,7 @@ TEST( Required, LessChangesAnAnswer )
 		other.reset();
 		lazy_scene.reset();
 		lazy = World();
-		EXPECT_EQ( counts.released.load(),
-		    static_cast<int>(
-		        std::count_if( world.placed.begin(), world.placed.end(),
-		            []( const lw_scene_shape_def& s ) { return lw_shape_get_info( s.shape ).type == LW_SHAPE_MESH; } ) +
-		        std::count_if( world.model.bodies.begin(), world.model.bodies.end(),
-		            []( const lw_body_def& b ) { return lw_shape_get_info( b.shape ).type == LW_SHAPE_MESH; } ) ) );
+		EXPECT_EQ( counts.released.load(), meshesOf( world ) );
 	}
 	EXPECT_GE( std::min( free, blocked ), 200 );
 	EXPECT_GE( outside, 100 );
