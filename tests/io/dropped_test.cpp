@@ -316,8 +316,11 @@ std::string randomUrdf( SeededRng& rng )
 		out += fmt::format( "<link name='l{}'>", i );
 		for ( int k = rng.integer( 1, 2 ); k > 0; --k )
 		{
-			out += fmt::format( "<collision name='c{}'>", k ) + origin( rng, 0.01, 0.1 ) + "<geometry>" + geometry( rng ) +
-			       "</geometry></collision>";
+			const std::string form = geometry( rng );
+			const bool turns = form.rfind( "<sphere", 0 ) != 0; // the turn of a ball changes no more than a rounding
+			out += fmt::format( "<collision name='c{}'>", k ) +
+			       ( turns ? origin( rng, 0.01, 0.1 ) : "<origin xyz='" + three( rng, 0.01, 0.1 ) + "'/>" ) + "<geometry>" +
+			       form + "</geometry></collision>";
 		}
 		out += "<visual>" + origin( rng, 0.1, 1 ) + "<geometry>" + geometry( rng ) +
 		       "</geometry><material name='red'/></visual>";

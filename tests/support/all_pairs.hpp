@@ -59,10 +59,37 @@ private:
 	/// True if a variable of the group moves the joint, by mimicry too.
 	bool isMoved( uint32_t joint, const std::set<uint32_t>& group ) const
 	{
-		const uint32_t followed = lw_robot_joint_mimic( m_robot, joint );
-		joint = followed != LW_INVALID_INDEX ? followed : joint;
-		return lw_robot_joint_variable_count( m_robot, joint ) > 0 &&
-		       group.count( lw_robot_joint_variable( m_robot, joint ) ) > 0;
+		const uint32_t followed = lw_robot_joint_mimic( m_robot, joint ),
+		               moving = followed != LW_INVALID_INDEX ? followed : joint;
+		return lw_robot_joint_variable_count( m_robot, moving ) > 0 &&
+		       group.count( lw_robot_joint_variable( m_robot, moving ) ) > 0 &&
+		       ( followed == LW_INVALID_INDEX || follows( joint, lw_robot_joint_variable( m_robot, moving ) ) );
+	}
+
+	/// False if a joint that mimics another one stands still: its multiplier is 0.
+	bool follows( uint32_t joint, uint32_t variable ) const
+	{
+		const uint32_t parent = lw_robot_joint_parent( m_robot, joint ), child = lw_robot_joint_child( m_robot, joint );
+		std::vector<double> q( m_full.size() );
+		std::vector<lw_transform> poses( m_poses.size() );
+		lw_robot_default_state( m_robot, q.data() );
+		double moved = 0;
+		lw_transform before{};
+		for ( int k = 0; k < 2; ++k )
+		{
+			EXPECT_EQ( LW_OK, lw_robot_fk( m_robot, q.data(), poses.data() ) );
+			const lw_transform inverse = lw_transform_inverse( &poses[parent] ),
+			                   now = lw_transform_multiply( &inverse, &poses[child] );
+			for ( int i = 0; i < 3; ++i )
+			{
+				moved += std::fabs( now.t[i] - before.t[i] ) + std::fabs( now.r[i][0] - before.r[i][0] ) +
+				         std::fabs( now.r[i][1] - before.r[i][1] );
+			}
+			moved = k == 0 ? 0 : moved;
+			before = now;
+			q[variable] += 0.3;
+		}
+		return moved > 1e-9;
 	}
 
 	lw_transform worldFromBody( const lw_body_def& body ) const
