@@ -84,6 +84,11 @@ def turned(pose):
                         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
 
 
+def tip_pose(robot, checker, tip, q):
+    """A link's pose in a state of the checker's group, float64 [4, 4]."""
+    return robot.fk(checker.full_state(q)[:len(robot.variables)])[robot.links.index(tip)]
+
+
 def projected(problem, robot, checker, options):
     """Newton steps of the ends' places to the middle of thin bounds."""
     thin = [axis for axis in range(3) if problem["tsr_upper_bound"][axis] < 1]
@@ -92,7 +97,7 @@ def projected(problem, robot, checker, options):
     for key in ("problem_start", "problem_end"):
         q = numpy.array(problem[key], dtype=float)
         for _ in range(20):
-            pose = robot.fk(checker.full_state(q)[:len(robot.variables)])[robot.links.index(options.tip)]
+            pose = tip_pose(robot, checker, options.tip, q)
             point = pose[:3, :3] @ problem.get("tip_offset", options.offset) + pose[:3, 3]
             q = q - numpy.linalg.pinv(axes @ checker.point_jacobian(q, options.tip, point)) @ (axes @ (point - problem["eef_transforms"][4:]))
         ends[key] = q.tolist()
@@ -105,10 +110,11 @@ def plan(number, problem, robot, options, folder):
     checker = leeway.Checker(robot, leeway.Scene(folder / "scene.yaml"), group=options.group)
     if options.project:
         problem = projected(problem, robot, checker, options)
+    request = request_of(problem, options)
     try:
         for _ in range(options.runs):
             begin = time.perf_counter()
-            found = checker.plan_request(request_of(problem, options), seconds=options.time)
+            found = checker.plan_request(request, seconds=options.time)
             seconds = time.perf_counter() - begin
     except leeway.InputError as error:
         return {**row, "status": str(error)}

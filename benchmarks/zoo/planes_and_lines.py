@@ -20,7 +20,7 @@ import pathlib
 import numpy
 
 import leeway
-from mcvamp import PEN, TOUCH
+from mcvamp import PEN, TOUCH, tip_pose
 
 DOWN = [1, 0, 0, 0]  # quaternion x y z w
 MAZE = numpy.array([[0.2, -0.65], [0.65, 0.65]])  # corners on the table
@@ -47,7 +47,7 @@ def between_states(robot, checker, options, rng):
     """The tips of two states in a plane or on a line along axes of the world; None if there is no second state."""
     states = rng.uniform(numpy.maximum(checker.lower, -numpy.pi), numpy.minimum(checker.upper, numpy.pi), (200, checker.dof))
     start = states[checker.is_free(states)][0]
-    tip = robot.fk(checker.full_state(start)[:len(robot.variables)])[robot.links.index(options.tip), :3, 3]
+    tip = tip_pose(robot, checker, options.tip, start)[:3, 3]
     axes = rng.permutation(3)[:2 if options.kind == "plane" else 1]
     way = rng.normal(size=len(axes))
     place = tip.copy()

@@ -172,7 +172,7 @@ private:
 	bool measureBefore()
 	{
 		const std::size_t end = m_band.points.size() - 1;
-		bool free = true; // margins prove it; else it is asked below
+		bool proved = true; // that the path is free, by a margin of each kind
 		for ( unsigned k = 0; k < kinds; ++k )
 		{
 			if ( isAsked( k ) )
@@ -182,7 +182,7 @@ private:
 				    m_prover.enclose( m_band, k, m_band.first, m_band.last, m_cap[k], m_cap[k], 0, &m_low[k] ) );
 				const ClearanceRange whole =
 				    m_prover.enclose( m_band, k, 0, end, m_cap[k], std::min( c.middle_before.upper, m_cap[k] ), 0, nullptr );
-				free = free && whole.lower > 0;
+				proved = proved && whole.lower > 0;
 				c.before = atLeastFree( whole );
 				c.middle_before.lower =
 				    std::max( c.middle_before.lower, c.before.lower ); // the middle is a part of the whole
@@ -192,11 +192,11 @@ private:
 				m_first_score += score( k, c.middle_before );
 			}
 		}
-		if ( status() == LW_OK && !free )
+		if ( status() == LW_OK && !proved )
 		{
-			m_status = areFree( m_checker, m_query, m_settings.edge, m_path, free, &m_report.work );
+			m_status = areFree( m_checker, m_query, m_settings.edge, m_path, proved, &m_report.work );
 		}
-		if ( status() != LW_OK || !free )
+		if ( status() != LW_OK || !proved )
 		{
 			m_report.environment = m_report.self = {};
 			m_report.notice = "the path is not proved free";

@@ -96,6 +96,17 @@ Point middleOf( const Hull& hull, uint32_t first )
 	return middle;
 }
 
+/// The vertices, so many times as far from a point.
+std::vector<double> scaledAbout( const Point& middle, double factor, const Hull& hull )
+{
+	std::vector<double> out = hull.vertices;
+	for ( std::size_t k = 0; k < out.size(); ++k )
+	{
+		out[k] = middle[k % 3] + ( out[k] - middle[k % 3] ) * factor;
+	}
+	return out;
+}
+
 /// The least distance of two parallel planes, one of them through a face, that the hull is between.
 double thickness( const Hull& hull )
 {
@@ -158,11 +169,11 @@ TEST( ConvexMeshes, HullsAreNotSeen )
 	for ( int i = 0; i < 40; ++i )
 	{
 		const double size = rng.decade( -3, 3 );
-		Hull hull = randomHull( rng, static_cast<uint32_t>( rng.integer( 4, 24 ) ), size );
-		while ( thickness( hull ) < 0.01 * size ) // of flat ones rounding hides which way the faces look
+		Hull hull;
+		do // of flat ones rounding hides which way the faces look
 		{
 			hull = randomHull( rng, static_cast<uint32_t>( rng.integer( 4, 24 ) ), size );
-		}
+		} while ( thickness( hull ) < 0.01 * size );
 		EXPECT_TRUE( isOneBody( hull, size ) ) << i;
 	}
 }
@@ -174,7 +185,7 @@ TEST( ConvexMeshes, DentedOpenOrDoubledMeshesAreTakenForHulls )
 	{
 		const Hull hull = randomHull( rng, 12, 1 );
 		Hull dented = hull, open = hull, twice = hull, doubled = hull;
-		const Point middle = middleOf( hull, 0 ), inside = middleOf( hull, 1 );
+		const Point inside = middleOf( hull, 1 );
 		std::copy( inside.begin(), inside.end(), dented.vertices.begin() );
 		open.indices.resize( open.indices.size() - 3 );
 		std::copy_n( hull.indices.begin(), 3, doubled.indices.end() - 3 ); // as many triangles as a hull
@@ -182,10 +193,8 @@ TEST( ConvexMeshes, DentedOpenOrDoubledMeshesAreTakenForHulls )
 		{
 			twice.indices.push_back( v + 12 );
 		}
-		for ( std::size_t k = 0; k < hull.vertices.size(); ++k )
-		{
-			twice.vertices.push_back( middle[k % 3] + ( hull.vertices[k] - middle[k % 3] ) * 1.5 );
-		}
+		const std::vector<double> shell = scaledAbout( middleOf( hull, 0 ), 1.5, hull );
+		twice.vertices.insert( twice.vertices.end(), shell.begin(), shell.end() );
 		EXPECT_FALSE( isOneBody( dented ) ) << i;
 		EXPECT_FALSE( isOneBody( open ) ) << i;
 		EXPECT_FALSE( isOneBody( doubled ) ) << i;
@@ -260,11 +269,7 @@ TEST( ConvexMeshes, SurfaceInsideASurfaceIsContact )
 	for ( int i = 0; i < 50; ++i )
 	{
 		Hull outer = randomHull( rng, 20, 1 ), inner = outer;
-		const Point middle = middleOf( outer, 0 );
-		for ( std::size_t k = 0; k < inner.vertices.size(); ++k )
-		{
-			inner.vertices[k] = middle[k % 3] + ( inner.vertices[k] - middle[k % 3] ) * 0.5;
-		}
+		inner.vertices = scaledAbout( middleOf( outer, 0 ), 0.5, outer );
 		const lw_transform here = lw_transform_identity();
 		const ShapePtr surface( shapeOf( outer ) ), solid( shapeOf( outer, true ) ), small( shapeOf( inner ) );
 		const lw_clearance apart = distanceOf( surface.get(), here, small.get(), here, query );

@@ -303,9 +303,10 @@ std::string geometry( SeededRng& rng )
 	}
 }
 
-std::string origin( SeededRng& rng, double low, double high )
+std::string origin( SeededRng& rng, double low, double high, bool turned = true )
 {
-	return "<origin xyz='" + three( rng, low, high ) + "' rpy='" + three( rng, 0.1, 1 ) + "'/>";
+	const std::string place = "<origin xyz='" + three( rng, low, high ) + "'";
+	return place + ( turned ? " rpy='" + three( rng, 0.1, 1 ) + "'/>" : "/>" );
 }
 
 std::string randomUrdf( SeededRng& rng )
@@ -317,10 +318,9 @@ std::string randomUrdf( SeededRng& rng )
 		for ( int k = rng.integer( 1, 2 ); k > 0; --k )
 		{
 			const std::string form = geometry( rng );
-			const bool turns = form.rfind( "<sphere", 0 ) != 0; // the turn of a ball changes no more than a rounding
-			out += fmt::format( "<collision name='c{}'>", k ) +
-			       ( turns ? origin( rng, 0.01, 0.1 ) : "<origin xyz='" + three( rng, 0.01, 0.1 ) + "'/>" ) + "<geometry>" +
-			       form + "</geometry></collision>";
+			const bool turned = form.rfind( "<sphere", 0 ) != 0; // the turn of a ball changes no more than a rounding
+			out += fmt::format( "<collision name='c{}'>", k ) + origin( rng, 0.01, 0.1, turned ) + "<geometry>" + form +
+			       "</geometry></collision>";
 		}
 		out += "<visual>" + origin( rng, 0.1, 1 ) + "<geometry>" + geometry( rng ) +
 		       "</geometry><material name='red'/></visual>";

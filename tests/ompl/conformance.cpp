@@ -122,8 +122,8 @@ TEST_P( Conformance, AllAnswersAboutAStateAgree )
 		ASSERT_EQ( is_valid, checker().isValid( asked, dist ) );
 		ASSERT_EQ( is_valid, checker().isValid( asked, dist_with_state, other, available ) );
 		const double clearance = checker().clearance( asked );
-		const bool one =
-		    GetParam().exceptions.same_clearance == nullptr; // number; else bounds, each of them below the truth
+		// Subjects with an exception answer with bounds, each of them below the truth, not with one number
+		const bool one = GetParam().exceptions.same_clearance == nullptr;
 		for ( const double answer : { dist, dist_with_state, checker().clearance( asked, other, available_too ) } )
 		{
 			ASSERT_TRUE( one ? std::fabs( answer - clearance ) <= 1e-9 : ( answer > 0 ) == ( clearance > 0 ) )

@@ -69,27 +69,26 @@ private:
 	/// False if a joint that mimics another one stands still: its multiplier is 0.
 	bool follows( uint32_t joint, uint32_t variable ) const
 	{
-		const uint32_t parent = lw_robot_joint_parent( m_robot, joint ), child = lw_robot_joint_child( m_robot, joint );
 		std::vector<double> q( m_full.size() );
-		std::vector<lw_transform> poses( m_poses.size() );
 		lw_robot_default_state( m_robot, q.data() );
+		const lw_transform before = parentFromChild( joint, q );
+		q[variable] += 0.3;
+		const lw_transform after = parentFromChild( joint, q );
 		double moved = 0;
-		lw_transform before{};
-		for ( int k = 0; k < 2; ++k )
+		for ( int i = 0; i < 3; ++i )
 		{
-			EXPECT_EQ( LW_OK, lw_robot_fk( m_robot, q.data(), poses.data() ) );
-			const lw_transform inverse = lw_transform_inverse( &poses[parent] ),
-			                   now = lw_transform_multiply( &inverse, &poses[child] );
-			for ( int i = 0; i < 3; ++i )
-			{
-				moved += std::fabs( now.t[i] - before.t[i] ) + std::fabs( now.r[i][0] - before.r[i][0] ) +
-				         std::fabs( now.r[i][1] - before.r[i][1] );
-			}
-			moved = k == 0 ? 0 : moved;
-			before = now;
-			q[variable] += 0.3;
+			moved += std::fabs( after.t[i] - before.t[i] ) + std::fabs( after.r[i][0] - before.r[i][0] ) +
+			         std::fabs( after.r[i][1] - before.r[i][1] );
 		}
 		return moved > 1e-9;
+	}
+
+	lw_transform parentFromChild( uint32_t joint, const std::vector<double>& q ) const
+	{
+		std::vector<lw_transform> poses( m_poses.size() );
+		EXPECT_EQ( LW_OK, lw_robot_fk( m_robot, q.data(), poses.data() ) );
+		const lw_transform parent_from_world = lw_transform_inverse( &poses[lw_robot_joint_parent( m_robot, joint )] );
+		return lw_transform_multiply( &parent_from_world, &poses[lw_robot_joint_child( m_robot, joint )] );
 	}
 
 	lw_transform worldFromBody( const lw_body_def& body ) const
