@@ -49,6 +49,13 @@ Row rowOf( std::size_t pose, int limit, double lower, double upper )
 	return { pose, limit, lower, upper, middle - inner, middle + inner, close_share * half, thin };
 }
 
+/// Rows of a pose follow each other in the order of lw_region_limit.
+struct Rows
+{
+	std::uint32_t errors; ///< bit mask, 1 << lw_region_limit
+	std::size_t first;
+};
+
 } // namespace
 
 struct Manifold::Parts
@@ -56,12 +63,11 @@ struct Manifold::Parts
 	motions::BoundConstraints constraints;
 	std::vector<Row> rows;
 	State lower, upper;
-	State inner_lower, inner_upper;       ///< of projected states: a curve along a limit has no room to bend
-	std::vector<lw_region_errors> errors; ///< of poses
-	Derivatives derivatives;              ///< [poses x LW_REGION_LIMITS][variables]
-	State values;                         ///< of rows
-	Derivatives jacobian;                 ///< [rows][variables], of the values
-	State measured;                       ///< where the derivatives are from; not a number: nowhere
+	State inner_lower, inner_upper; ///< of projected states: a curve along a limit has no room to bend
+	std::vector<Rows> of_poses;
+	State values;         ///< of rows
+	Derivatives jacobian; ///< [rows][variables], of the values
+	State measured;       ///< where the derivatives are from; not a number: nowhere
 	// of one step
 	State wanted, weights, change, moved, right, part;
 	std::vector<char> fixed; ///< [variables]
@@ -83,14 +89,13 @@ struct Manifold::Parts
 		}
 		setBounds( problem, path );
 		const std::vector<motions::PoseConstraint>& poses = constraints.poses();
-		errors.resize( poses.size() );
 		for ( std::size_t i = 0; i < poses.size(); ++i )
 		{
+			of_poses.push_back( { 0, rows.size() } );
 			poses[i].region ? addRows( i, poses[i].def ) : void();
 		}
 		const auto count = static_cast<Eigen::Index>( problem.variables.size() ),
 		           most = static_cast<Eigen::Index>( rows.size() );
-		derivatives.setZero( static_cast<Eigen::Index>( poses.size() * LW_REGION_LIMITS ), count );
 		for ( State* of_rows : { &values, &wanted, &weights, &right } )
 		{
 			of_rows->setZero( most );
@@ -142,19 +147,23 @@ struct Manifold::Parts
 		}
 	}
 
+	void addRow( std::size_t pose, int limit, double lower_end, double upper_end )
+	{
+		rows.push_back( rowOf( pose, limit, lower_end, upper_end ) );
+		of_poses[pose].errors |= 1U << limit;
+	}
+
 	void addRows( std::size_t pose, const lw_region_def& def )
 	{
 		for ( int i = 0; i < 3; ++i )
 		{
-			if ( std::isfinite( def.upper[i] - def.lower[i] ) )
-			{
-				rows.push_back( rowOf( pose, LW_REGION_X + i, def.lower[i], def.upper[i] ) );
-			}
+			std::isfinite( def.upper[i] - def.lower[i] ) ? addRow( pose, LW_REGION_X + i, def.lower[i], def.upper[i] )
+			                                             : void();
+		}
+		for ( int i = 0; i < 3; ++i )
+		{
 			const double largest = def.turns_are == LW_TURNS_XYZ && i == 1 ? 0.5 * M_PI : M_PI;
-			if ( def.turns[i] < largest )
-			{
-				rows.push_back( rowOf( pose, LW_REGION_TURN_X + i, -def.turns[i], def.turns[i] ) );
-			}
+			def.turns[i] < largest ? addRow( pose, LW_REGION_TURN_X + i, -def.turns[i], def.turns[i] ) : void();
 		}
 	}
 
@@ -167,23 +176,15 @@ struct Manifold::Parts
 			return;
 		}
 		measured.setConstant( NAN );
-		for ( std::size_t i = 0; i < errors.size(); ++i )
+		for ( std::size_t i = 0; i < of_poses.size(); ++i )
 		{
 			const motions::PoseConstraint& pose = constraints.poses()[i];
-			double* const to = derivatives.data() + i * LW_REGION_LIMITS * static_cast<std::size_t>( derivatives.cols() );
-			if ( pose.region )
-			{
-				require( derive ? lw_region_derivatives( pose.region.get(), q, 0, &errors[i], to )
-				                : lw_region_state( pose.region.get(), q, 0, &errors[i] ),
-				    pose.element.c_str() );
-			}
-		}
-		for ( std::size_t r = 0; r < rows.size(); ++r )
-		{
-			const auto i = static_cast<Eigen::Index>( r ),
-			           from = static_cast<Eigen::Index>( rows[r].pose * LW_REGION_LIMITS ) + rows[r].limit;
-			values[i] = errors[rows[r].pose].value[rows[r].limit];
-			derive ? static_cast<void>( jacobian.row( i ) = derivatives.row( from ) ) : void();
+			const Rows& of = of_poses[i];
+			double* const to = jacobian.data() + of.first * static_cast<std::size_t>( jacobian.cols() );
+			of.errors == 0 ? void()
+			               : require( lw_region_rows( pose.region.get(), q, 0, of.errors, values.data() + of.first,
+			                              derive ? to : nullptr ),
+			                     pose.element.c_str() );
 		}
 		derive ? static_cast<void>( measured = at ) : void();
 	}

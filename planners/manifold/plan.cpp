@@ -279,7 +279,7 @@ private:
 		{
 			std::vector<Piece> way;
 			if ( m_walker.walk(
-			         m_trees[0].state( 0 ), m_trees[1].state( goal ), { HUGE_VAL, least_step, false, true }, way ) &&
+			         m_trees[0].state( 0 ), m_trees[1].state( goal ), { HUGE_VAL, growth_step, false, true }, way ) &&
 			     m_walker.prove( way ) )
 			{
 				path = way;

@@ -21,6 +21,7 @@ constexpr double no_length = 1e-12;
 constexpr double least_along = 0.7; // of a chord, along the constraints at its begin
 constexpr double look_width = 0.1;  // radians or metres between the states of a chord that a look tests
 constexpr std::uint32_t most_looks = 31;
+constexpr std::size_t lanes = 8; // of a look
 
 } // namespace
 
@@ -190,30 +191,50 @@ bool Walker::isClear( const Piece& piece )
 	return clear;
 }
 
-/// Looks in lanes at states of a chord, and measures its end. A state that a look leaves open beside the scene is hardly ever free.
-bool Walker::seemsClear( const Piece& chord, bool end_is_free )
+/// Appends a chord; its states wait for look().
+void Walker::addChord( const State& a, const State& b, std::vector<Piece>& out )
 {
-	const double count = std::ceil( chord.length() / look_width );
+	out.push_back( straightPiece( a, b ) );
+	const double count = std::ceil( out.back().length() / look_width );
 	const auto looks = static_cast<std::uint32_t>( std::clamp( count - 1, 0.0, static_cast<double>( most_looks ) ) );
-	m_states.clear();
 	for ( std::uint32_t i = 1; i <= looks; ++i )
 	{
-		const State q = chord.at( i / ( looks + 1.0 ) );
+		const State q = out.back().at( i / ( looks + 1.0 ) );
 		m_states.insert( m_states.end(), q.data(), q.data() + q.size() );
+		m_chords.push_back( out.size() - 1 );
 	}
-	lw_verdict seen[most_looks];
-	lw_check_flags open[most_looks];
-	require( lw_checker_states( m_problem.checker.get(), m_query, m_states.data(), looks, m_edge.flags, m_edge.min_d,
-	             LW_STATES_LANES, seen, open ),
+}
+
+/// Looks in lanes at the first `count` states that wait. A state that a look leaves open beside the scene is hardly ever free.
+/// @return the first chord that does not seem clear, and no state waits; or `end`
+std::size_t Walker::look( std::size_t count, std::size_t end )
+{
+	m_seen.resize( count );
+	m_open.resize( count );
+	require( lw_checker_states( m_problem.checker.get(), m_query, m_states.data(), static_cast<std::uint32_t>( count ),
+	             m_edge.flags, m_edge.min_d, LW_STATES_LANES, m_seen.data(), m_open.data() ),
 	    "clearances of states" );
-	m_counts.states += looks;
-	bool good = true;
-	for ( std::uint32_t i = 0; i < looks; ++i )
+	m_counts.states += count;
+	for ( std::size_t i = 0; i < count; ++i )
 	{
-		good = good && ( seen[i] == LW_VERDICT_FREE ||
-		                   ( seen[i] == LW_VERDICT_UNDECIDED && ( open[i] & LW_CHECK_ENVIRONMENT ) == 0 ) );
+		if ( m_seen[i] != LW_VERDICT_FREE &&
+		     ( m_seen[i] != LW_VERDICT_UNDECIDED || ( m_open[i] & LW_CHECK_ENVIRONMENT ) != 0 ) )
+		{
+			const std::size_t chord = m_chords[i];
+			forgetChords();
+			return chord;
+		}
 	}
-	return good && ( end_is_free || isFree( chord.last() ) );
+	const auto done = static_cast<std::ptrdiff_t>( count ), values = static_cast<std::ptrdiff_t>( m_manifold.variables() );
+	m_states.erase( m_states.begin(), m_states.begin() + done * values );
+	m_chords.erase( m_chords.begin(), m_chords.begin() + done );
+	return end;
+}
+
+void Walker::forgetChords()
+{
+	m_states.clear();
+	m_chords.clear();
 }
 
 /// Does the chord between two states of the constraints lead along them? Else they are on different parts.
@@ -268,22 +289,14 @@ bool Walker::join( const State& a, const State& b, int halvings, std::vector<Pie
 	return joined;
 }
 
-/// Appends a chord if it seems clear.
-bool Walker::takeChord( const Piece& chord, bool end_is_free, std::vector<Piece>& out )
+/// Appends a chord to a state that is not known to be free, if both seem clear.
+bool Walker::takeChord( const Piece& chord, std::vector<Piece>& out )
 {
-	const bool good = seemsClear( chord, end_is_free );
-	good ? out.push_back( chord ) : void();
+	const std::size_t end = out.size();
+	addChord( chord.first(), chord.last(), out );
+	const bool good = look( m_chords.size(), end + 1 ) > end && isFree( chord.last() );
+	good ? void() : out.pop_back();
 	return good;
-}
-
-/// join(), or a chord. @param stepped step() led from a to b: along the constraints, and b is free
-bool Walker::link( const State& a, const State& b, const Reach& reach, bool stepped, std::vector<Piece>& out )
-{
-	if ( !reach.proofs_wait )
-	{
-		return join( a, b, 0, out );
-	}
-	return ( stepped || leadsAlong( a, b ) ) && takeChord( straightPiece( a, b ), stepped, out );
 }
 
 bool Walker::prove( std::vector<Piece>& way )
@@ -321,45 +334,78 @@ bool Walker::step( const State& q, const State& to, double length, State& next )
 	       ( to - next ).norm() < gap - least_gain * length && isFree( next );
 }
 
+/// Tries one step. @return true: it ends at `to`
+bool Walker::advance( Front& front, const State& to, const Reach& reach, std::vector<Piece>& out )
+{
+	const State q = front.at;
+	const double most = std::min( front.length, front.left ), gap = ( to - q ).norm();
+	const auto link = [&]( const State& end )
+	{
+		reach.proofs_wait ? addChord( q, end, out ) : void();
+		return reach.proofs_wait || join( q, end, 0, out );
+	};
+	const bool near = gap <= most;
+	if ( near && ( !reach.proofs_wait || ( leadsAlong( q, to ) && isFree( to ) ) ) && link( to ) )
+	{
+		front.at = to;
+		return true;
+	}
+	State next;
+	if ( !near && step( q, to, most, next ) && link( next ) )
+	{
+		front = { next, std::min( step_growth * front.length, longest_step ), front.left - ( next - q ).norm(), false };
+		return false;
+	}
+	front.length = 0.5 * std::min( front.length, gap );
+	front.stuck = front.length < reach.least;
+	return false;
+}
+
+/// Takes the chords from `from` on away, and tries half of the first.
+void Walker::goBack( Front& front, double least, std::size_t from, std::vector<Piece>& out )
+{
+	front.at = out[from].first();
+	front.length = 0.5 * out[from].length();
+	front.stuck = front.length < least;
+	for ( ; out.size() > from; out.pop_back() )
+	{
+		front.left += out.back().length();
+	}
+}
+
 bool Walker::walk( const State& a, const State& b, const Reach& reach, std::vector<Piece>& out )
 {
 	const State to = nearestTurns( a, b );
-	State q = a;
-	double length = std::min( first_step, reach.most ), left = reach.most;
-	Piece straight = straightPiece( a, to );
 	const double gap = ( to - a ).norm();
+	Piece straight = straightPiece( a, to );
 	if ( !( gap > no_length ) )
 	{
 		out.push_back( straight );
 		return true;
 	}
+	forgetChords();
 	if ( gap <= reach.most && isKept( straight ) &&
-	     ( reach.proofs_wait ? takeChord( straight, false, out ) : take( straight, out ) ) )
+	     ( reach.proofs_wait ? takeChord( straight, out ) : take( straight, out ) ) )
 	{
 		return true;
 	}
-	while ( left > least_step && !( reach.whole && ( to - q ).norm() > left ) )
+	Front front = { a, std::min( first_step, reach.most ), reach.most, false };
+	while ( true )
 	{
-		const bool near = ( to - q ).norm() <= std::min( length, left );
-		if ( near && link( q, to, reach, false, out ) )
+		const bool over =
+		    front.stuck || !( front.left > least_step ) || ( reach.whole && ( to - front.at ).norm() > front.left );
+		const bool arrived = !over && advance( front, to, reach, out );
+		const std::size_t waiting = m_chords.size();
+		const std::size_t clear = look( over || arrived ? waiting : waiting - waiting % lanes, out.size() );
+		if ( clear < out.size() )
 		{
-			return true;
+			goBack( front, reach.least, clear, out );
 		}
-		State next;
-		if ( near || !step( q, to, std::min( length, left ), next ) || !link( q, next, reach, true, out ) )
+		else if ( over || arrived )
 		{
-			length = 0.5 * std::min( length, ( to - q ).norm() );
-			if ( length < reach.least )
-			{
-				return false;
-			}
-			continue;
+			return arrived;
 		}
-		left -= ( next - q ).norm();
-		q = next;
-		length = std::min( step_growth * length, longest_step );
 	}
-	return false;
 }
 
 } // namespace leeway::manifold

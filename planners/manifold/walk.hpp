@@ -93,14 +93,26 @@ public:
 	const WalkCounts& counts() const { return m_counts; }
 
 private:
+	/// Where a walk is.
+	struct Front
+	{
+		State at;
+		double length; ///< of the next step
+		double left;   ///< of the way
+		bool stuck;    ///< halves of the last step would be too short
+	};
+
 	bool isKept( const Piece& piece );
 	bool isWithin( const Piece& piece ) const;
 	bool take( Piece& piece, std::vector<Piece>& out );
-	bool seemsClear( const Piece& chord, bool end_is_free );
-	bool takeChord( const Piece& chord, bool end_is_free, std::vector<Piece>& out );
+	void addChord( const State& a, const State& b, std::vector<Piece>& out );
+	std::size_t look( std::size_t count, std::size_t end );
+	void forgetChords();
+	bool takeChord( const Piece& chord, std::vector<Piece>& out );
 	bool leadsAlong( const State& a, const State& b );
-	bool link( const State& a, const State& b, const Reach& reach, bool stepped, std::vector<Piece>& out );
 	bool join( const State& a, const State& b, int halvings, std::vector<Piece>& out );
+	bool advance( Front& front, const State& to, const Reach& reach, std::vector<Piece>& out );
+	static void goBack( Front& front, double least, std::size_t from, std::vector<Piece>& out );
 	bool step( const State& q, const State& to, double length, State& next );
 
 	Manifold& m_manifold;
@@ -108,7 +120,11 @@ private:
 	const lw_edge_def& m_edge;
 	lw_query* m_query;
 	State m_turns, m_lower, m_upper;
-	std::vector<double> m_states; ///< of a chord, [count][variables]
+	// states of chords that wait for a look
+	std::vector<double> m_states;      ///< [count][variables]
+	std::vector<std::size_t> m_chords; ///< [count] their places in the way
+	std::vector<lw_verdict> m_seen;
+	std::vector<lw_check_flags> m_open;
 	WalkCounts m_counts;
 };
 

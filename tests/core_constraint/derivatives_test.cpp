@@ -6,6 +6,8 @@
 namespace
 {
 
+constexpr std::uint32_t all_errors = ( 1U << LW_REGION_LIMITS ) - 1;
+
 lw_region_def randomRegion( SeededRng& rng, const lw_robot* robot )
 {
 	const int links = static_cast<int>( lw_robot_link_count( robot ) );
@@ -77,10 +79,11 @@ TEST( RegionDerivatives, AreNotThoseOfTheErrors )
 		const lw_region_def def = randomRegion( rng, robot.get() );
 		const RegionPtr region = bench.region( def );
 		const State q = randomState( rng, robot.get(), 0.1 );
-		lw_region_errors e, plain;
+		lw_region_errors plain;
+		double values[LW_REGION_LIMITS];
 		std::vector<double> jacobian( LW_REGION_LIMITS * count, 17 );
 		ASSERT_EQ( LW_OK, lw_region_state( region.get(), q.data(), 0.3, &plain ) );
-		ASSERT_EQ( LW_OK, lw_region_derivatives( region.get(), q.data(), 0.3, &e, jacobian.data() ) );
+		ASSERT_EQ( LW_OK, lw_region_rows( region.get(), q.data(), 0.3, all_errors, values, jacobian.data() ) );
 		const Errors exact = errorsAt( model, robot.get(), def, q, 0.3L );
 		for ( std::uint32_t v = 0; v < count; ++v )
 		{
@@ -88,7 +91,7 @@ TEST( RegionDerivatives, AreNotThoseOfTheErrors )
 			const Errors d = differenceOf( model, robot.get(), def, q, v, jumps );
 			for ( std::size_t i = 0; i < d.size(); ++i )
 			{
-				ASSERT_EQ( plain.value[i], e.value[i] );
+				ASSERT_EQ( plain.value[i], values[i] );
 				if ( isSmooth( def, exact, i ) && jumps[i] < 1 )
 				{
 					ASSERT_NEAR( static_cast<double>( d[i] ), jacobian[i * count + v], 1e-6 )
@@ -120,14 +123,77 @@ TEST( RegionDerivatives, ARowWithoutOneIsNotZero )
 	const RegionPtr region = bench.region( def );
 	const State q = randomState( rng, robot.get(), 0.1 );
 	std::vector<double> jacobian( LW_REGION_LIMITS * q.size() + 1, 17 );
-	lw_region_errors e;
-	ASSERT_EQ( LW_OK, lw_region_derivatives( region.get(), q.data(), 0, &e, jacobian.data() ) );
+	double values[LW_REGION_LIMITS];
+	ASSERT_EQ( LW_OK, lw_region_rows( region.get(), q.data(), 0, all_errors, values, jacobian.data() ) );
 	for ( std::size_t i = 0; i < LW_REGION_LIMITS * q.size(); ++i )
 	{
 		EXPECT_EQ( 0, jacobian[i] );
 	}
 	EXPECT_EQ( 17, jacobian.back() ) << "written beyond the end";
-	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_region_derivatives( region.get(), q.data(), NAN, &e, jacobian.data() ) );
-	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_region_derivatives( region.get(), q.data(), 0, &e, nullptr ) );
-	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_region_derivatives( nullptr, q.data(), 0, &e, jacobian.data() ) );
+}
+
+TEST( RegionRows, AreNotThoseOfAllErrors )
+{
+	SeededRng rng;
+	int rows = 0;
+	for ( int round = 0; round < 400; ++round )
+	{
+		RandomRobotOptions options;
+		options.joints = rng.integer( 1, 9 );
+		options.bareShare = 1.1;
+		const RobotModel model = randomRobot( rng, options );
+		const RobotPtr robot = model.create();
+		const RegionBench bench( robot.get() );
+		const RegionPtr region = bench.region( randomRegion( rng, robot.get() ) );
+		const State q = randomState( rng, robot.get(), 0.1 );
+		const std::size_t count = q.size();
+		const auto errors = static_cast<std::uint32_t>( rng.integer( 1, static_cast<int>( all_errors ) ) );
+		double all[LW_REGION_LIMITS];
+		std::vector<double> derivatives( LW_REGION_LIMITS * count + 1 ), wanted, wanted_rows;
+		ASSERT_EQ( LW_OK, lw_region_rows( region.get(), q.data(), 0.3, all_errors, all, derivatives.data() ) );
+		for ( std::size_t i = 0; i < LW_REGION_LIMITS; ++i )
+		{
+			if ( ( errors >> i & 1 ) != 0 )
+			{
+				wanted.push_back( all[i] );
+				const auto from = derivatives.begin() + static_cast<std::ptrdiff_t>( i * count );
+				wanted_rows.insert( wanted_rows.end(), from, from + static_cast<std::ptrdiff_t>( count ) );
+				++rows;
+			}
+		}
+		std::vector<double> values( wanted.size() + 1, 17 ), jacobian( wanted_rows.size() + 1, 17 ), alone = values;
+		ASSERT_EQ( LW_OK, lw_region_rows( region.get(), q.data(), 0.3, errors, alone.data(), nullptr ) );
+		ASSERT_EQ( LW_OK, lw_region_rows( region.get(), q.data(), 0.3, errors, values.data(), jacobian.data() ) );
+		wanted.push_back( 17 ); // nothing beyond the end is written
+		wanted_rows.push_back( 17 );
+		ASSERT_EQ( wanted, values ) << "errors " << errors << ", round " << round;
+		ASSERT_EQ( wanted, alone ) << "errors " << errors << ", round " << round;
+		ASSERT_EQ( wanted_rows, jacobian ) << "errors " << errors << ", round " << round;
+	}
+	EXPECT_GT( rows, 1000 );
+}
+
+TEST( RegionRows, BadInputIsTaken )
+{
+	SeededRng rng;
+	RandomRobotOptions options;
+	options.joints = 3;
+	options.bareShare = 1.1;
+	const RobotModel model = randomRobot( rng, options );
+	const RobotPtr robot = model.create();
+	const RegionBench bench( robot.get() );
+	const RegionPtr region = bench.region( randomRegion( rng, robot.get() ) );
+	State q = randomState( rng, robot.get(), 0.1 );
+	ASSERT_FALSE( q.empty() );
+	double values[LW_REGION_LIMITS] = { 17 };
+	const auto rows = [&]( std::uint32_t errors, double fraction = 0 )
+	{ return lw_region_rows( region.get(), q.data(), fraction, errors, values, nullptr ); };
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, rows( 0 ) );
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, rows( 1U << LW_REGION_LIMITS ) );
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, rows( 1, NAN ) );
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_region_rows( region.get(), q.data(), 0, 1, nullptr, nullptr ) );
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_region_rows( region.get(), nullptr, 0, 1, values, nullptr ) );
+	EXPECT_EQ( LW_ERROR_INVALID_ARGUMENT, lw_region_rows( nullptr, q.data(), 0, 1, values, nullptr ) );
+	EXPECT_EQ( 17, values[0] );
+	EXPECT_EQ( LW_OK, rows( 1 ) );
 }

@@ -225,7 +225,91 @@ double distance_at( const lwi_batch_point& a, int l, double s, const float* min,
 	return std::sqrt( square );
 }
 
+/// A chain of poses, each behind a turn about z and a shift along z, and a last one.
+struct PoseChain
+{
+	std::vector<lwi_pose_rows> before, tips;
+	std::vector<double> cosines, sines, shifts;
+
+	explicit PoseChain( SeededRng& rng )
+	{
+		const int count = rng.integer( 0, 9 );
+		for ( int i = 0; i <= count; ++i )
+		{
+			const Matrix r = turn( unit( rng ), rng.uniform( -3, 3 ) );
+			lwi_pose_rows rows;
+			for ( size_t k = 0; k < 3; ++k )
+			{
+				std::transform( r[k].begin(), r[k].end(), rows.at[k], []( real x ) { return static_cast<double>( x ); } );
+				rows.at[k][3] = rng.uniform( -1, 1 );
+			}
+			const double angle = rng.uniform( -3, 3 );
+			before.push_back( rows );
+			tips.push_back( rows );
+			cosines.push_back( std::cos( angle ) );
+			sines.push_back( std::sin( angle ) );
+			shifts.push_back( rng.uniform( -1, 1 ) );
+		}
+		before.pop_back(); // the last pose is the tip
+	}
+
+	std::vector<lwi_pose_rows> tipsOf( const lwi_kernels* kernels ) const
+	{
+		std::vector<lwi_pose_rows> out = tips;
+		kernels->chain_tips(
+		    before.data(), cosines.data(), sines.data(), shifts.data(), static_cast<uint32_t>( before.size() ), out.data() );
+		return out;
+	}
+
+	/// A point of the tip, in the frame of part i.
+	Vector at( Vector p, size_t i ) const
+	{
+		p = moved( tips.back(), p );
+		for ( size_t k = before.size(); k-- > i; )
+		{
+			const real c = cosines[k], s = sines[k];
+			p = moved( before[k], { c * p[0] - s * p[1], s * p[0] + c * p[1], p[2] + shifts[k] } );
+		}
+		return p;
+	}
+
+	static Vector moved( const lwi_pose_rows& rows, const Vector& p )
+	{
+		Vector out;
+		for ( size_t k = 0; k < 3; ++k )
+		{
+			out[k] = rows.at[k][0] * p[0] + rows.at[k][1] * p[1] + rows.at[k][2] * p[2] + rows.at[k][3];
+		}
+		return out;
+	}
+};
+
 } // namespace
+
+TEST( ChainKernels, ATipIsNotWhereItsChainPutsIt )
+{
+	SeededRng rng;
+	for ( int round = 0; round < 2000; ++round )
+	{
+		const PoseChain chain( rng );
+		const std::vector<lwi_pose_rows> tips = chain.tipsOf( &lwi_kernels_scalar );
+		const Vector point = { rng.uniform( -1, 1 ), rng.uniform( -1, 1 ), rng.uniform( -1, 1 ) };
+		for ( size_t i = 0; i < tips.size(); ++i )
+		{
+			const Vector exact = chain.at( point, i ), got = PoseChain::moved( tips[i], point );
+			for ( size_t k = 0; k < 3; ++k )
+			{
+				ASSERT_NEAR( static_cast<double>( exact[k] ), static_cast<double>( got[k] ), 1e-13 ) << "round " << round;
+			}
+		}
+		for ( const lwi_kernels* kernels : kernelLevels() )
+		{
+			const std::vector<lwi_pose_rows> other = chain.tipsOf( kernels );
+			ASSERT_EQ( 0, std::memcmp( tips.data(), other.data(), tips.size() * sizeof( tips[0] ) ) )
+			    << "level " << kernels->level << ", round " << round;
+		}
+	}
+}
 
 TEST( BatchKernels, LevelDiffersFromScalar )
 {

@@ -96,13 +96,16 @@ typedef struct lw_region_errors
 /// Cost: one transform product for each moving joint between the frames.
 LW_API lw_status lw_region_state( lw_region* region, const double* q, double fraction, lw_region_errors* out );
 
-/// lw_region_state() with derivatives, for Newton steps onto a region, tangents and optimisers.
+/// Some errors of a state and their derivatives, in the order of lw_region_limit: for Newton steps onto a region, tangents and optimisers.
 ///
-/// @param jacobian [LW_REGION_LIMITS][lw_checker_variable_count()] of `value` by the variables, metres and radians for each radian or metre; of a
+/// @param errors bit mask, 1 << lw_region_limit, of 1 to LW_REGION_LIMITS errors
+/// @param values [errors in the mask] as those of lw_region_state()
+/// @param jacobian [errors in the mask][lw_checker_variable_count()] of `values` by the variables, metres and radians for each radian or metre; of a
 /// floating joint by the entries of its quaternion. Rows are 0 where an error has no derivative: of the angle and the tilt at 0 and at half a turn,
-/// of x-y-z turns at a gimbal lock, within 1e-9.
-/// @return as lw_region_state(); then *jacobian is unchanged
-LW_API lw_status lw_region_derivatives( lw_region* region, const double* q, double fraction, lw_region_errors* out,
+/// of x-y-z turns at a gimbal lock, within 1e-9. Nullable
+/// @return as lw_region_state(), and LW_ERROR_INVALID_ARGUMENT for other masks; then nothing is changed
+/// Cost: as lw_region_state() for positions, up to twice as much with angles.
+LW_API lw_status lw_region_rows( lw_region* region, const double* q, double fraction, uint32_t errors, double* values,
 	double* jacobian );
 
 typedef struct lw_region_result

@@ -66,6 +66,28 @@ uint32_t lwi_chain_most_parts( const lw_robot* robot, uint32_t base_link, uint32
 	return 7 * ( up + down ); // variables of a floating joint; it has fewer parts
 }
 
+static lwi_pose_rows rows_of( const lw_transform* pose )
+{
+	lwi_pose_rows rows;
+	for ( int i = 0; i < 3; ++i )
+	{
+		memcpy( rows.at[i], pose->r[i], sizeof( pose->r[i] ) );
+		rows.at[i][3] = pose->t[i];
+	}
+	return rows;
+}
+
+static lw_transform pose_of( const lwi_pose_rows* rows )
+{
+	lw_transform pose;
+	for ( int i = 0; i < 3; ++i )
+	{
+		memcpy( pose.r[i], rows->at[i], sizeof( pose.r[i] ) );
+		pose.t[i] = rows->at[i][3];
+	}
+	return pose;
+}
+
 static void append_pose( builder* b, const lw_transform* pose )
 {
 	b->pending = lwi_multiply( &b->pending, pose );
@@ -103,8 +125,8 @@ static void append_part( builder* b, lwi_chain_motion motion, uint32_t variable,
 		.variable = variable,
 		.multiplier = multiplier,
 		.offset = offset,
-		.before = b->pending,
 		.before_length = lwi_length( lwi_load( b->pending.t ) ) };
+	b->chain->before[b->chain->part_count] = rows_of( &b->pending );
 	b->chain->part_count += 1;
 	b->pending = back;
 	b->chain->product_count += 1;
@@ -170,6 +192,20 @@ static void append_joint( builder* b, const lwi_joint* joint, double sign )
 	}
 }
 
+void lwi_chain_lay_out( lwi_chain* chain, uint32_t parts, lwi_arena* arena )
+{
+	const size_t fours = ( (size_t)parts + 3 ) / 4 * 4;
+	chain->parts = lwi_arena_take( arena, parts, sizeof( lwi_chain_part ) );
+	chain->before = lwi_arena_take( arena, parts, sizeof( lwi_pose_rows ) );
+	chain->variables = lwi_arena_take( arena, (size_t)parts + 1, sizeof( uint32_t ) );
+	chain->angles = lwi_arena_take( arena, fours, sizeof( double ) );
+	chain->cosines = lwi_arena_take( arena, fours, sizeof( double ) );
+	chain->sines = lwi_arena_take( arena, fours, sizeof( double ) );
+	chain->shifts = lwi_arena_take( arena, fours, sizeof( double ) );
+	chain->turned = lwi_arena_take( arena, parts, sizeof( lwi_pose_rows ) );
+	chain->tips = lwi_arena_take( arena, (size_t)parts + 1, sizeof( lwi_pose_rows ) );
+}
+
 void lwi_chain_fill( lwi_chain* chain, const lwi_checker_base* base, uint32_t base_link, const lw_transform* base_from_a,
 	uint32_t link, const lw_transform* link_from_b )
 {
@@ -203,97 +239,114 @@ void lwi_chain_fill( lwi_chain* chain, const lwi_checker_base* base, uint32_t ba
 	}
 	append_pose( &b, link_from_b );
 	chain->tip = b.pending;
+	chain->tips[chain->part_count] = rows_of( &chain->tip );
+	chain->kernels = lwi_kernels_get( lw_simd_available() );
 }
 
 // ---- poses -----------------------------------------------------------------------------------------------------------
 
-static inline void turn_about_z( lw_transform* m, lwi_sincos by )
+/// Adds the velocity of the tip, along its axes, while the frame that it is seen in turns about z: z x t, and z.
+static inline void add_turn( lwi_twist* to, const lwi_pose_rows* tip, double speed )
 {
-	for ( int i = 0; i < 3; ++i )
-	{
-		const double x = m->r[0][i], y = m->r[1][i];
-		m->r[0][i] = by.c * x - by.s * y;
-		m->r[1][i] = by.s * x + by.c * y;
-	}
-	const double x = m->t[0], y = m->t[1];
-	m->t[0] = by.c * x - by.s * y;
-	m->t[1] = by.s * x + by.c * y;
-}
-
-/// The velocity of the tip, by those of the frame that it is seen in.
-static void add_twist( lwi_twist* to, const lw_transform* tip, double sign, lw_vec3 shift, lw_vec3 turn )
-{
-	const lw_vec3 moved = lwi_add( shift, lwi_cross( turn, lwi_load( tip->t ) ) );
-	to->shift = lwi_add_scaled( to->shift, sign, lwi_unrotate( tip, moved ) );
-	to->turn = lwi_add_scaled( to->turn, sign, lwi_unrotate( tip, turn ) );
+	const double x = -speed * tip->at[1][3], y = speed * tip->at[0][3];
+	to->shift = lwi_add_scaled( to->shift, x, lwi_load( tip->at[0] ) );
+	to->shift = lwi_add_scaled( to->shift, y, lwi_load( tip->at[1] ) );
+	to->turn = lwi_add_scaled( to->turn, speed, lwi_load( tip->at[2] ) );
 }
 
 /// Angular velocities by the entries x, y, z, w of a quaternion of any length: 2 / |q|^2 (w v' - w' v - v x v') along the axes that it turns.
 /// Its inverse turns by the opposite of 2 / |q|^2 (w v' - w' v + v x v').
-static void add_twists_of_quaternion( const lwi_chain_part* part, const double* q, const lw_transform* tip, lwi_twist* to )
+static void add_twists_of_quaternion( const lwi_chain_part* part, const double* q, const lwi_pose_rows* rows, lwi_twist* to )
 {
-	const lw_vec3 v = lwi_load( q ), none = lwi_v3( 0, 0, 0 );
+	const lw_transform tip = pose_of( rows );
+	const lw_vec3 v = lwi_load( q );
 	const double sign = part->multiplier > 0 ? 1 : -1, scale = 2 * sign / ( lwi_length_sq( v ) + q[3] * q[3] );
-	for ( int i = 0; i < 3; ++i )
+	for ( int i = 0; i < 4; ++i )
 	{
 		const lw_vec3 unit = lwi_v3( i == 0, i == 1, i == 2 );
-		add_twist( &to[i], tip, scale, none, lwi_add_scaled( lwi_scale( q[3], unit ), -sign, lwi_cross( v, unit ) ) );
+		const lw_vec3 along = lwi_add_scaled( lwi_scale( q[3], unit ), -sign, lwi_cross( v, unit ) );
+		const lw_vec3 turn = lwi_scale( i < 3 ? scale : -scale, i < 3 ? along : v );
+		to[i].shift = lwi_add( to[i].shift, lwi_unrotate( &tip, lwi_cross( turn, lwi_load( tip.t ) ) ) );
+		to[i].turn = lwi_add( to[i].turn, lwi_unrotate( &tip, turn ) );
 	}
-	add_twist( &to[3], tip, -scale, none, v );
 }
 
-static void add_twists( const lwi_chain_part* part, const double* values, const lw_transform* tip, lwi_twist* twists )
+static void find_twists( const lwi_chain* chain, const double* values, lwi_twist* twists )
 {
-	const lw_vec3 z = lwi_v3( 0, 0, 1 ), none = lwi_v3( 0, 0, 0 );
-	if ( part->motion == LWI_CHAIN_QUATERNION )
+	memset( twists, 0, chain->variable_count * sizeof( *twists ) );
+	for ( uint32_t i = 0; i < chain->part_count; ++i )
 	{
-		add_twists_of_quaternion( part, values + part->variable, tip, twists + part->variable );
-		return;
+		const lwi_chain_part* part = &chain->parts[i];
+		const lwi_pose_rows* tip = &chain->tips[i + 1];
+		lwi_twist* to = &twists[part->variable];
+		switch ( part->motion )
+		{
+		case LWI_CHAIN_TURN:
+			add_turn( to, tip, part->multiplier );
+			break;
+		case LWI_CHAIN_SHIFT:
+			to->shift = lwi_add_scaled( to->shift, part->multiplier, lwi_load( tip->at[2] ) );
+			break;
+		case LWI_CHAIN_QUATERNION:
+			add_twists_of_quaternion( part, values + part->variable, tip, to );
+			break;
+		}
 	}
-	const bool turns = part->motion == LWI_CHAIN_TURN;
-	add_twist( &twists[part->variable], tip, part->multiplier, turns ? none : z, turns ? z : none );
+}
+
+static void raise_arms( const lwi_chain* chain, double* arms )
+{
+	for ( uint32_t i = 0; i < chain->part_count; ++i )
+	{
+		const lwi_pose_rows* tip = &chain->tips[i + 1];
+		const double arm = sqrt( tip->at[0][3] * tip->at[0][3] + tip->at[1][3] * tip->at[1][3] );
+		arms[i] = chain->parts[i].motion == LWI_CHAIN_TURN ? lwi_larger( arms[i], arm ) : arms[i];
+	}
+}
+
+/// The turn of a quaternion, behind the constant pose of its part. @return false for a zero quaternion
+static bool turn_by_quaternion( const lwi_chain* chain, uint32_t part, const double* q )
+{
+	const double zero[3] = { 0, 0, 0 };
+	lw_transform turn;
+	if ( lw_transform_from_quaternion( zero, q, &turn ) != LW_OK )
+	{
+		return false;
+	}
+	turn = chain->parts[part].multiplier > 0 ? turn : lw_transform_inverse( &turn );
+	const lw_transform before = pose_of( &chain->before[part] ), both = lwi_multiply( &before, &turn );
+	chain->turned[part] = rows_of( &both );
+	return true;
 }
 
 bool lwi_chain_pose( const lwi_chain* chain, const double* values, lw_transform* out, double* arms, lwi_twist* twists )
 {
-	lw_transform m = chain->tip;
-	if ( twists != NULL )
+	const lwi_pose_rows* before = chain->before;
+	for ( uint32_t i = 0; i < chain->part_count; ++i )
 	{
-		memset( twists, 0, chain->variable_count * sizeof( *twists ) );
-	}
-	for ( uint32_t i = chain->part_count; i > 0; --i )
-	{
-		const lwi_chain_part* part = &chain->parts[i - 1];
+		const lwi_chain_part* part = &chain->parts[i];
 		const double value = part->multiplier * values[part->variable] + part->offset;
-		if ( twists != NULL )
+		chain->angles[i] = part->motion == LWI_CHAIN_TURN ? value : 0;
+		chain->shifts[i] = part->motion == LWI_CHAIN_SHIFT ? value : 0;
+		before = part->motion == LWI_CHAIN_QUATERNION ? chain->turned : before;
+	}
+	if ( before == chain->turned )
+	{
+		memcpy( chain->turned, chain->before, chain->part_count * sizeof( *before ) );
+		for ( uint32_t i = 0; i < chain->part_count; ++i )
 		{
-			add_twists( part, values, &m, twists );
-		}
-		if ( part->motion == LWI_CHAIN_TURN )
-		{
-			if ( arms != NULL )
-			{
-				arms[i - 1] = lwi_larger( arms[i - 1], sqrt( m.t[0] * m.t[0] + m.t[1] * m.t[1] ) );
-			}
-			turn_about_z( &m, lwi_sincos_of( value ) );
-		}
-		else if ( part->motion == LWI_CHAIN_SHIFT )
-		{
-			m.t[2] += value;
-		}
-		else
-		{
-			const double zero[3] = { 0, 0, 0 };
-			lw_transform turn;
-			if ( lw_transform_from_quaternion( zero, values + part->variable, &turn ) != LW_OK )
+			const lwi_chain_part* part = &chain->parts[i];
+			if ( part->motion == LWI_CHAIN_QUATERNION && !turn_by_quaternion( chain, i, values + part->variable ) )
 			{
 				return false;
 			}
-			m = part->multiplier > 0 ? lwi_multiply( &turn, &m ) : lwi_relative( &turn, &m );
 		}
-		m = lwi_multiply( &part->before, &m );
 	}
-	*out = m;
+	chain->kernels->sincos( chain->angles, ( chain->part_count + 3 ) / 4 * 4, chain->cosines, chain->sines );
+	chain->kernels->chain_tips( before, chain->cosines, chain->sines, chain->shifts, chain->part_count, chain->tips );
+	arms != NULL ? raise_arms( chain, arms ) : (void)0;
+	twists != NULL ? find_twists( chain, values, twists ) : (void)0;
+	*out = pose_of( &chain->tips[0] );
 	return true;
 }
 

@@ -3,7 +3,9 @@
 #ifndef LEEWAY_CONSTRAINT_CHAIN_H
 #define LEEWAY_CONSTRAINT_CHAIN_H
 
+#include "base/arena.h"
 #include "checker/base.h"
+#include "simd/kernels.h"
 
 LW_EXTERN_C_BEGIN
 
@@ -36,22 +38,29 @@ typedef struct lwi_chain_part
 	lwi_chain_motion motion;
 	uint32_t variable; ///< of the chain; of a quaternion the first of four
 	double multiplier, offset;
-	lw_transform before;
-	double before_length; ///< metres, of its shift
+	double before_length; ///< metres, of the constant pose's shift
 } lwi_chain_part;
 
 typedef struct lwi_chain
 {
 	uint32_t part_count, variable_count;
 	lwi_chain_part* parts;  ///< from the base on
+	lwi_pose_rows* before;  ///< [part_count] constant poses that parts stand behind
 	uint32_t* variables;    ///< [variable_count] entries of the group's state
 	lw_transform tip;       ///< behind the last part
 	uint32_t product_count; ///< of constant poses, for rounding
+	const lwi_kernels* kernels;
+	// of one pose
+	double *angles, *cosines, *sines, *shifts; ///< [parts, in fours]
+	lwi_pose_rows* turned;                     ///< [part_count] `before`, behind quaternions
+	lwi_pose_rows* tips;                       ///< [part_count + 1] the tip in the frame that a part moves; the base's first
 } lwi_chain;
 
 /// Upper bound of the parts and variables between two links.
 uint32_t lwi_chain_most_parts( const lw_robot* robot, uint32_t base_link, uint32_t link );
-/// Fills a chain that has room for lwi_chain_most_parts() of both. @param base_link, link LW_INVALID_INDEX: the world
+/// Places the arrays of a chain of at most so many parts, and as many variables and one. @param arena without memory: only measures
+void lwi_chain_lay_out( lwi_chain* chain, uint32_t parts, lwi_arena* arena );
+/// Fills a chain that lwi_chain_lay_out() made. @param base_link, link LW_INVALID_INDEX: the world
 void lwi_chain_fill( lwi_chain* chain, const lwi_checker_base* base, uint32_t base_link, const lw_transform* base_from_a,
 	uint32_t link, const lw_transform* link_from_b );
 

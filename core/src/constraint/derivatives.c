@@ -57,55 +57,79 @@ static lw_vec3 direction_of( lw_vec3 v )
 	return length > NO_SINE ? lwi_scale( 1 / length, v ) : lwi_v3( 0, 0, 0 );
 }
 
-static gradients gradients_of( const lw_region* region, const lwi_deviation* of, const lw_region_errors* errors )
+/// Those of positions.
+static void find_shifts( const lw_region* region, const lw_transform* pose, gradients* g )
 {
-	const lw_region_def* d = &region->def;
-	gradients g;
-	memset( &g, 0, sizeof( g ) );
-	const lw_transform turn = lwi_deviation_turn( of );
+	const lw_transform* start = &region->def.start;
 	for ( int i = 0; i < 3; ++i )
 	{
-		const lw_vec3 axis = lwi_v3( d->start.r[0][i], d->start.r[1][i], d->start.r[2][i] );
-		g.shift[i] = lwi_unrotate( &errors->pose, axis );
+		g->shift[i] = lwi_unrotate( pose, lwi_v3( start->r[0][i], start->r[1][i], start->r[2][i] ) );
 	}
-	const double* turns = errors->value + LW_REGION_TURN_X;
-	lw_vec3* rows = g.turn + ( LW_REGION_TURN_X - LW_REGION_ANGLE );
+}
+
+/// Those of angles. @param value [LW_REGION_LIMITS]
+static void find_turns( const lw_region* region, const lwi_deviation* of, const double* value, gradients* g )
+{
+	const lw_region_def* d = &region->def;
+	const lw_transform turn = lwi_deviation_turn( of );
+	const double* turns = value + LW_REGION_TURN_X;
+	lw_vec3* rows = g->turn + ( LW_REGION_TURN_X - LW_REGION_ANGLE );
+	memset( g->turn, 0, sizeof( g->turn ) );
 	d->turns_are == LW_TURNS_XYZ ? rates_of_xyz( turns[1], turns[2], rows )
 								 : inverse_right_jacobian( lwi_load( turns ), rows );
 	double q[4];
 	lw_transform_to_quaternion( &turn, q );
 	const bool half_turn = fabs( q[3] ) <= NO_SINE;
-	g.turn[0] = half_turn ? lwi_v3( 0, 0, 0 ) : lwi_scale( q[3] < 0 ? -1 : 1, direction_of( lwi_load( q ) ) );
+	g->turn[0] = half_turn ? lwi_v3( 0, 0, 0 ) : lwi_scale( q[3] < 0 ? -1 : 1, direction_of( lwi_load( q ) ) );
 	// the reference's axis seen from B, w: the cosine of the tilt changes by turn . (axis x w)
-	g.turn[LW_REGION_TILT - LW_REGION_ANGLE] =
+	g->turn[LW_REGION_TILT - LW_REGION_ANGLE] =
 		lwi_scale( -1, direction_of( lwi_cross( d->axis, lwi_unrotate( &turn, d->axis ) ) ) );
-	return g;
 }
 
-lw_status lw_region_derivatives( lw_region* region, const double* q, double fraction, lw_region_errors* out,
-	double* jacobian )
+/// One row.
+static void find_row( const lw_region* region, const gradients* g, int limit, double* row )
 {
-	lwi_deviation deviation;
-	if ( region == NULL || jacobian == NULL )
-	{
-		return LW_ERROR_INVALID_ARGUMENT;
-	}
-	const lw_status status = lwi_region_errors( region, q, fraction, region->twists, &deviation, out );
-	if ( status != LW_OK )
-	{
-		return status;
-	}
-	const gradients g = gradients_of( region, &deviation, out );
-	const size_t count = region->checker->base->group.variable_count;
-	memset( jacobian, 0, LW_REGION_LIMITS * count * sizeof( double ) );
+	const bool shifts = limit < LW_REGION_ANGLE;
+	const lw_vec3 by = shifts ? g->shift[limit] : g->turn[limit - LW_REGION_ANGLE];
+	memset( row, 0, region->checker->base->group.variable_count * sizeof( double ) );
 	for ( uint32_t v = 0; v < region->chain.variable_count; ++v )
 	{
 		const lwi_twist* twist = &region->twists[v];
-		double* column = jacobian + region->chain.variables[v];
-		for ( int i = 0; i < LW_REGION_LIMITS; ++i )
+		row[region->chain.variables[v]] = lwi_dot( by, shifts ? twist->shift : twist->turn );
+	}
+}
+
+lw_status lw_region_rows( lw_region* region, const double* q, double fraction, uint32_t errors, double* values,
+	double* jacobian )
+{
+	lwi_deviation deviation;
+	lw_transform pose;
+	if ( values == NULL || errors == 0 || errors >> LW_REGION_LIMITS != 0 || !lwi_region_take( region, q, fraction ) ||
+		 !lwi_region_deviation( region, region->values, fraction, NULL, jacobian != NULL ? region->twists : NULL, &pose,
+			 &deviation ) )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
+	}
+	const bool angles = errors >> LW_REGION_ANGLE != 0;
+	const lwi_deviation_rounding rounding = { 0, 0 };
+	double value[LW_REGION_LIMITS], error[LW_REGION_LIMITS];
+	gradients g;
+	memcpy( value, deviation.position, sizeof( deviation.position ) );
+	find_shifts( region, &pose, &g );
+	if ( angles )
+	{
+		lwi_region_values( region, &deviation, &rounding, value, error );
+		find_turns( region, &deviation, value, &g );
+	}
+	const size_t count = region->checker->base->group.variable_count;
+	size_t row = 0;
+	for ( int i = 0; i < LW_REGION_LIMITS; ++i )
+	{
+		if ( ( errors >> i & 1 ) != 0 )
 		{
-			column[(size_t)i * count] =
-				i < 3 ? lwi_dot( g.shift[i], twist->shift ) : lwi_dot( g.turn[i - LW_REGION_ANGLE], twist->turn );
+			values[row] = value[i];
+			jacobian != NULL ? find_row( region, &g, i, jacobian + row * count ) : (void)0;
+			++row;
 		}
 	}
 	return LW_OK;

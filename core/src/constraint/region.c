@@ -207,8 +207,7 @@ static size_t lay_out( const lw_checker* checker, uint32_t parts, lw_region* blo
 	lw_region measured, *r = block != NULL ? block : &measured;
 	lwi_arena arena = lwi_arena_begin( block, sizeof( lw_region ) );
 	const size_t count = (size_t)parts + 1; // and the fraction
-	r->chain.parts = lwi_arena_take( &arena, parts, sizeof( lwi_chain_part ) );
-	r->chain.variables = lwi_arena_take( &arena, count, sizeof( uint32_t ) );
+	lwi_chain_lay_out( &r->chain, parts, &arena );
 	r->sources = lwi_arena_take( &arena, count, sizeof( lwi_variable_source ) );
 	r->variables = lwi_arena_take( &arena, count, sizeof( lwi_window_variable ) );
 	r->rates = lwi_arena_take( &arena, count, sizeof( lwi_rates ) );
@@ -417,29 +416,29 @@ double lwi_region_excess( const lw_region* region, lw_region_limit limit, double
 	return -INFINITY;
 }
 
-lw_status lwi_region_errors( lw_region* region, const double* q, double fraction, lwi_twist* twists,
-	lwi_deviation* deviation, lw_region_errors* out )
+bool lwi_region_take( lw_region* region, const double* q, double fraction )
 {
 	const uint32_t count = region != NULL ? region->checker->base->group.variable_count : 0;
-	if ( region == NULL || out == NULL || ( q == NULL && count > 0 ) || !isfinite( fraction ) )
-	{
-		return LW_ERROR_INVALID_ARGUMENT;
-	}
-	for ( uint32_t i = 0; i < region->chain.variable_count; ++i )
+	bool good = region != NULL && ( q != NULL || count == 0 ) && isfinite( fraction );
+	for ( uint32_t i = 0; good && i < region->chain.variable_count; ++i )
 	{
 		region->values[i] = q[region->chain.variables[i]];
-		if ( !isfinite( region->values[i] ) )
-		{
-			return LW_ERROR_INVALID_ARGUMENT;
-		}
+		good = isfinite( region->values[i] );
+	}
+	return good;
+}
+
+lw_status lw_region_state( lw_region* region, const double* q, double fraction, lw_region_errors* out )
+{
+	lwi_deviation deviation;
+	if ( out == NULL || !lwi_region_take( region, q, fraction ) ||
+		 !lwi_region_deviation( region, region->values, fraction, NULL, NULL, &out->pose, &deviation ) )
+	{
+		return LW_ERROR_INVALID_ARGUMENT;
 	}
 	const lwi_deviation_rounding rounding = { 0, 0 };
 	double error[LW_REGION_LIMITS];
-	if ( !lwi_region_deviation( region, region->values, fraction, NULL, twists, &out->pose, deviation ) )
-	{
-		return LW_ERROR_INVALID_ARGUMENT;
-	}
-	lwi_region_values( region, deviation, &rounding, out->value, error );
+	lwi_region_values( region, &deviation, &rounding, out->value, error );
 	out->worst = LW_REGION_X;
 	for ( int i = 0; i < LW_REGION_LIMITS; ++i )
 	{
@@ -447,10 +446,4 @@ lw_status lwi_region_errors( lw_region* region, const double* q, double fraction
 		out->worst = out->excess[i] > out->excess[out->worst] ? (lw_region_limit)i : out->worst;
 	}
 	return LW_OK;
-}
-
-lw_status lw_region_state( lw_region* region, const double* q, double fraction, lw_region_errors* out )
-{
-	lwi_deviation deviation;
-	return lwi_region_errors( region, q, fraction, NULL, &deviation, out );
 }

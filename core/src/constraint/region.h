@@ -71,9 +71,8 @@ struct lw_region
 bool lwi_region_deviation( const lw_region* region, const double* values, double fraction, double* arms, lwi_twist* twists,
 	lw_transform* pose, lwi_deviation* out );
 
-/// lw_region_state(). @param twists [variable_count] of the chain, nullable
-lw_status lwi_region_errors( lw_region* region, const double* q, double fraction, lwi_twist* twists,
-	lwi_deviation* deviation, lw_region_errors* out );
+/// Takes the chain's values from a state. @return false: there is no region, no state, or a number is not finite
+bool lwi_region_take( lw_region* region, const double* q, double fraction );
 
 /// The rotation of a deviation.
 lw_transform lwi_deviation_turn( const lwi_deviation* of );

@@ -71,6 +71,12 @@ typedef struct lwi_primitive
 	float size[3];
 } lwi_primitive;
 
+/// A pose, by rows: [i][0..2] of its rotation, [i][3] of its origin.
+typedef struct lwi_pose_rows
+{
+	double at[3][4];
+} lwi_pose_rows;
+
 typedef struct lwi_kernels
 {
 	lw_simd level;
@@ -131,6 +137,11 @@ typedef struct lwi_kernels
 		const lwi_primitive* primitive );
 	/// cosines and sines of angles as lwi_sincos_of() has them; fastest for multiples of four
 	void ( *sincos )( const double* angle, uint32_t count, double* cosine, double* sine );
+
+	/// Poses of a chain's tip. Part i is a turn about z, a shift along z, and `before` both a pose that stands still.
+	/// @param tips [count + 1] in the frame that part i - 1 moves; the last one is given
+	void ( *chain_tips )( const lwi_pose_rows* before, const double* cosine, const double* sine, const double* shift,
+		uint32_t count, lwi_pose_rows* tips );
 
 	// Interval batches: simd/lanes.h. [LWI_WIDTH] lanes
 

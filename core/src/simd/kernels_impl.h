@@ -635,11 +635,45 @@ static void sincos_all( const double* restrict angle, uint32_t count, double* re
 	}
 }
 
+/// Row i of a pose times the rows m, with 0, 0, 0, 1 below them.
+static inline d4 row_times( const double row[4], const d4 m[4] )
+{
+	d4 sum = d4_mul( d4_set( row[0] ), m[0] );
+	for ( int k = 1; k < 4; ++k )
+	{
+		sum = d4_add( sum, d4_mul( d4_set( row[k] ), m[k] ) );
+	}
+	return sum;
+}
+
+static void chain_tips( const lwi_pose_rows* restrict before, const double* restrict cosine, const double* restrict sine,
+	const double* restrict shift, uint32_t count, lwi_pose_rows* restrict tips )
+{
+	static const double unit[4] = { 0, 0, 0, 1 };
+	const d4 last = d4_load( unit );
+	const lwi_pose_rows* tip = &tips[count];
+	d4 m[4] = { d4_load( tip->at[0] ), d4_load( tip->at[1] ), d4_load( tip->at[2] ), last };
+	for ( uint32_t i = count; i-- > 0; )
+	{
+		const d4 c = d4_set( cosine[i] ), s = d4_set( sine[i] ), x = m[0], y = m[1];
+		m[0] = d4_add( d4_mul( c, x ), d4_mul( d4_set( -sine[i] ), y ) );
+		m[1] = d4_add( d4_mul( s, x ), d4_mul( c, y ) );
+		m[2] = d4_add( m[2], d4_mul( d4_set( shift[i] ), last ) );
+		const d4 rows[3] = { row_times( before[i].at[0], m ), row_times( before[i].at[1], m ),
+			row_times( before[i].at[2], m ) };
+		for ( int k = 0; k < 3; ++k )
+		{
+			m[k] = rows[k];
+			d4_store( tips[i].at[k], rows[k] );
+		}
+	}
+}
+
 #include "simd/kernels_lanes_impl.h"
 #include "simd/kernels_voxels_impl.h"
 
 const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, obb_gap, sphere_pairs, box_gap, box_pair_gap, leaf_gap,
 	slab_gap, node_project, leaf_project, leaf_transform, points_move, points_farthest, corners_farthest, planes_clear,
-	triangle_gap, node_primitive_gap, leaf_primitive_gap, points_inside, sincos_all, batch_frame, batch_point, batch_box,
-	batch_pair, lane_frame, lane_of_batch, lane_point, lane_boxes, lane_body, lane_relative, lane_between, lane_slabs,
-	point_voxels, pixel_voxels, sensor_points, ray_tangents, ray_pixels, voxels_before };
+	triangle_gap, node_primitive_gap, leaf_primitive_gap, points_inside, sincos_all, chain_tips, batch_frame, batch_point,
+	batch_box, batch_pair, lane_frame, lane_of_batch, lane_point, lane_boxes, lane_body, lane_relative, lane_between,
+	lane_slabs, point_voxels, pixel_voxels, sensor_points, ray_tangents, ray_pixels, voxels_before };
