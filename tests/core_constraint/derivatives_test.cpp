@@ -8,6 +8,15 @@ namespace
 
 constexpr std::uint32_t all_errors = ( 1U << LW_REGION_LIMITS ) - 1;
 
+/// A robot without geometry.
+RobotModel bareRobot( SeededRng& rng, int joints )
+{
+	RandomRobotOptions options;
+	options.joints = joints;
+	options.bareShare = 1.1;
+	return randomRobot( rng, options );
+}
+
 lw_region_def randomRegion( SeededRng& rng, const lw_robot* robot )
 {
 	const int links = static_cast<int>( lw_robot_link_count( robot ) );
@@ -65,10 +74,7 @@ TEST( RegionDerivatives, AreNotThoseOfTheErrors )
 	int compared = 0, floating = 0;
 	for ( int round = 0; round < 400; ++round )
 	{
-		RandomRobotOptions options;
-		options.joints = rng.integer( 1, 9 );
-		options.bareShare = 1.1;
-		const RobotModel model = randomRobot( rng, options );
+		const RobotModel model = bareRobot( rng, rng.integer( 1, 9 ) );
 		const RobotPtr robot = model.create();
 		const std::uint32_t count = lw_robot_variable_count( robot.get() );
 		if ( count == 0 )
@@ -111,10 +117,7 @@ TEST( RegionDerivatives, AreNotThoseOfTheErrors )
 TEST( RegionDerivatives, ARowWithoutOneIsNotZero )
 {
 	SeededRng rng;
-	RandomRobotOptions options;
-	options.joints = 3;
-	options.bareShare = 1.1;
-	const RobotModel model = randomRobot( rng, options );
+	const RobotModel model = bareRobot( rng, 3 );
 	const RobotPtr robot = model.create();
 	const RegionBench bench( robot.get() );
 	lw_region_def def = lw_region_def_default(); // of one link in itself: angle and tilt are 0
@@ -138,10 +141,7 @@ TEST( RegionRows, AreNotThoseOfAllErrors )
 	int rows = 0;
 	for ( int round = 0; round < 400; ++round )
 	{
-		RandomRobotOptions options;
-		options.joints = rng.integer( 1, 9 );
-		options.bareShare = 1.1;
-		const RobotModel model = randomRobot( rng, options );
+		const RobotModel model = bareRobot( rng, rng.integer( 1, 9 ) );
 		const RobotPtr robot = model.create();
 		const RegionBench bench( robot.get() );
 		const RegionPtr region = bench.region( randomRegion( rng, robot.get() ) );
@@ -176,10 +176,7 @@ TEST( RegionRows, AreNotThoseOfAllErrors )
 TEST( RegionRows, BadInputIsTaken )
 {
 	SeededRng rng;
-	RandomRobotOptions options;
-	options.joints = 3;
-	options.bareShare = 1.1;
-	const RobotModel model = randomRobot( rng, options );
+	const RobotModel model = bareRobot( rng, 3 );
 	const RobotPtr robot = model.create();
 	const RegionBench bench( robot.get() );
 	const RegionPtr region = bench.region( randomRegion( rng, robot.get() ) );
