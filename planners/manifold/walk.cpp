@@ -339,26 +339,18 @@ bool Walker::advance( Front& front, const State& to, const Reach& reach, std::ve
 {
 	const State q = front.at;
 	const double most = std::min( front.length, front.left ), gap = ( to - q ).norm();
-	const auto link = [&]( const State& end )
-	{
-		reach.proofs_wait ? addChord( q, end, out ) : void();
-		return reach.proofs_wait || join( q, end, 0, out );
-	};
 	const bool near = gap <= most;
-	if ( near && ( !reach.proofs_wait || ( leadsAlong( q, to ) && isFree( to ) ) ) && link( to ) )
+	State next = to;
+	const bool led = near ? !reach.proofs_wait || ( leadsAlong( q, to ) && isFree( to ) ) : step( q, to, most, next );
+	if ( !led || !( reach.proofs_wait || join( q, next, 0, out ) ) )
 	{
-		front.at = to;
-		return true;
-	}
-	State next;
-	if ( !near && step( q, to, most, next ) && link( next ) )
-	{
-		front = { next, std::min( step_growth * front.length, longest_step ), front.left - ( next - q ).norm(), false };
+		front.length = 0.5 * std::min( front.length, gap );
+		front.stuck = front.length < reach.least;
 		return false;
 	}
-	front.length = 0.5 * std::min( front.length, gap );
-	front.stuck = front.length < reach.least;
-	return false;
+	reach.proofs_wait ? addChord( q, next, out ) : void();
+	front = { next, std::min( step_growth * front.length, longest_step ), front.left - ( next - q ).norm(), false };
+	return near;
 }
 
 /// Takes the chords from `from` on away, and tries half of the first.
