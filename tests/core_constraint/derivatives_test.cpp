@@ -8,14 +8,26 @@ namespace
 
 constexpr std::uint32_t all_errors = ( 1U << LW_REGION_LIMITS ) - 1;
 
-/// A robot without geometry.
-RobotModel bareRobot( SeededRng& rng, int joints )
+/// A robot without geometry, and its regions.
+struct BareRobot
 {
-	RandomRobotOptions options;
-	options.joints = joints;
-	options.bareShare = 1.1;
-	return randomRobot( rng, options );
-}
+	RobotModel model;
+	RobotPtr robot;
+	RegionBench bench;
+
+	BareRobot( SeededRng& rng, int joints )
+	    : model( randomRobot( rng, optionsFor( joints ) ) ), robot( model.create() ), bench( robot.get() )
+	{
+	}
+
+	static RandomRobotOptions optionsFor( int joints )
+	{
+		RandomRobotOptions options;
+		options.joints = joints;
+		options.bareShare = 1.1;
+		return options;
+	}
+};
 
 lw_region_def randomRegion( SeededRng& rng, const lw_robot* robot )
 {
@@ -74,27 +86,25 @@ TEST( RegionDerivatives, AreNotThoseOfTheErrors )
 	int compared = 0, floating = 0;
 	for ( int round = 0; round < 400; ++round )
 	{
-		const RobotModel model = bareRobot( rng, rng.integer( 1, 9 ) );
-		const RobotPtr robot = model.create();
-		const std::uint32_t count = lw_robot_variable_count( robot.get() );
+		const BareRobot bare( rng, rng.integer( 1, 9 ) );
+		const std::uint32_t count = lw_robot_variable_count( bare.robot.get() );
 		if ( count == 0 )
 		{
 			continue;
 		}
-		const RegionBench bench( robot.get() );
-		const lw_region_def def = randomRegion( rng, robot.get() );
-		const RegionPtr region = bench.region( def );
-		const State q = randomState( rng, robot.get(), 0.1 );
+		const lw_region_def def = randomRegion( rng, bare.robot.get() );
+		const RegionPtr region = bare.bench.region( def );
+		const State q = randomState( rng, bare.robot.get(), 0.1 );
 		lw_region_errors plain;
 		double values[LW_REGION_LIMITS];
 		std::vector<double> jacobian( LW_REGION_LIMITS * count, 17 );
 		ASSERT_EQ( LW_OK, lw_region_state( region.get(), q.data(), 0.3, &plain ) );
 		ASSERT_EQ( LW_OK, lw_region_rows( region.get(), q.data(), 0.3, all_errors, values, jacobian.data() ) );
-		const Errors exact = errorsAt( model, robot.get(), def, q, 0.3L );
+		const Errors exact = errorsAt( bare.model, bare.robot.get(), def, q, 0.3L );
 		for ( std::uint32_t v = 0; v < count; ++v )
 		{
 			Errors jumps = {};
-			const Errors d = differenceOf( model, robot.get(), def, q, v, jumps );
+			const Errors d = differenceOf( bare.model, bare.robot.get(), def, q, v, jumps );
 			for ( std::size_t i = 0; i < d.size(); ++i )
 			{
 				ASSERT_EQ( plain.value[i], values[i] );
@@ -106,8 +116,8 @@ TEST( RegionDerivatives, AreNotThoseOfTheErrors )
 					++compared;
 				}
 			}
-			const lw_variable_info info = lw_robot_variable( robot.get(), v );
-			floating += lw_robot_joint_type( robot.get(), info.joint ) == LW_JOINT_FLOATING && info.component >= 3;
+			const lw_variable_info info = lw_robot_variable( bare.robot.get(), v );
+			floating += lw_robot_joint_type( bare.robot.get(), info.joint ) == LW_JOINT_FLOATING && info.component >= 3;
 		}
 	}
 	EXPECT_GT( compared, 5000 );
@@ -117,14 +127,12 @@ TEST( RegionDerivatives, AreNotThoseOfTheErrors )
 TEST( RegionDerivatives, ARowWithoutOneIsNotZero )
 {
 	SeededRng rng;
-	const RobotModel model = bareRobot( rng, 3 );
-	const RobotPtr robot = model.create();
-	const RegionBench bench( robot.get() );
+	const BareRobot bare( rng, 3 );
 	lw_region_def def = lw_region_def_default(); // of one link in itself: angle and tilt are 0
 	def.link = def.base_link = 0;
 	def.angle = 1;
-	const RegionPtr region = bench.region( def );
-	const State q = randomState( rng, robot.get(), 0.1 );
+	const RegionPtr region = bare.bench.region( def );
+	const State q = randomState( rng, bare.robot.get(), 0.1 );
 	std::vector<double> jacobian( LW_REGION_LIMITS * q.size() + 1, 17 );
 	double values[LW_REGION_LIMITS];
 	ASSERT_EQ( LW_OK, lw_region_rows( region.get(), q.data(), 0, all_errors, values, jacobian.data() ) );
@@ -141,11 +149,9 @@ TEST( RegionRows, AreNotThoseOfAllErrors )
 	int rows = 0;
 	for ( int round = 0; round < 400; ++round )
 	{
-		const RobotModel model = bareRobot( rng, rng.integer( 1, 9 ) );
-		const RobotPtr robot = model.create();
-		const RegionBench bench( robot.get() );
-		const RegionPtr region = bench.region( randomRegion( rng, robot.get() ) );
-		const State q = randomState( rng, robot.get(), 0.1 );
+		const BareRobot bare( rng, rng.integer( 1, 9 ) );
+		const RegionPtr region = bare.bench.region( randomRegion( rng, bare.robot.get() ) );
+		const State q = randomState( rng, bare.robot.get(), 0.1 );
 		const std::size_t count = q.size();
 		const auto errors = static_cast<std::uint32_t>( rng.integer( 1, static_cast<int>( all_errors ) ) );
 		double all[LW_REGION_LIMITS];
@@ -176,11 +182,9 @@ TEST( RegionRows, AreNotThoseOfAllErrors )
 TEST( RegionRows, BadInputIsTaken )
 {
 	SeededRng rng;
-	const RobotModel model = bareRobot( rng, 3 );
-	const RobotPtr robot = model.create();
-	const RegionBench bench( robot.get() );
-	const RegionPtr region = bench.region( randomRegion( rng, robot.get() ) );
-	State q = randomState( rng, robot.get(), 0.1 );
+	const BareRobot bare( rng, 3 );
+	const RegionPtr region = bare.bench.region( randomRegion( rng, bare.robot.get() ) );
+	State q = randomState( rng, bare.robot.get(), 0.1 );
 	ASSERT_FALSE( q.empty() );
 	double values[LW_REGION_LIMITS] = { 17 };
 	const auto rows = [&]( std::uint32_t errors, double fraction = 0 )

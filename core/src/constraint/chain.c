@@ -192,9 +192,15 @@ static void append_joint( builder* b, const lwi_joint* joint, double sign )
 	}
 }
 
+/// Room for the angles of parts, whose sines are fastest in fours.
+static uint32_t in_fours( uint32_t parts )
+{
+	return ( parts + 3 ) & ~3u;
+}
+
 void lwi_chain_lay_out( lwi_chain* chain, uint32_t parts, lwi_arena* arena )
 {
-	const size_t fours = ( (size_t)parts + 3 ) / 4 * 4;
+	const uint32_t fours = in_fours( parts );
 	chain->parts = lwi_arena_take( arena, parts, sizeof( lwi_chain_part ) );
 	chain->before = lwi_arena_take( arena, parts, sizeof( lwi_pose_rows ) );
 	chain->variables = lwi_arena_take( arena, (size_t)parts + 1, sizeof( uint32_t ) );
@@ -342,7 +348,7 @@ bool lwi_chain_pose( const lwi_chain* chain, const double* values, lw_transform*
 			}
 		}
 	}
-	chain->kernels->sincos( chain->angles, ( chain->part_count + 3 ) / 4 * 4, chain->cosines, chain->sines );
+	chain->kernels->sincos( chain->angles, in_fours( chain->part_count ), chain->cosines, chain->sines );
 	chain->kernels->chain_tips( before, chain->cosines, chain->sines, chain->shifts, chain->part_count, chain->tips );
 	arms != NULL ? raise_arms( chain, arms ) : (void)0;
 	twists != NULL ? find_twists( chain, values, twists ) : (void)0;

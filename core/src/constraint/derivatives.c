@@ -86,16 +86,28 @@ static void find_turns( const lw_region* region, const lwi_deviation* of, const 
 		lwi_scale( -1, direction_of( lwi_cross( d->axis, lwi_unrotate( &turn, d->axis ) ) ) );
 }
 
-/// One row.
-static void find_row( const lw_region* region, const gradients* g, int limit, double* row )
+/// Derivatives of the errors of a mask. @param value [LW_REGION_LIMITS]
+static void find_rows( const lw_region* region, const lw_transform* pose, const lwi_deviation* of, const double* value,
+	uint32_t errors, double* row )
 {
-	const bool shifts = limit < LW_REGION_ANGLE;
-	const lw_vec3 by = shifts ? g->shift[limit] : g->turn[limit - LW_REGION_ANGLE];
-	memset( row, 0, region->checker->base->group.variable_count * sizeof( double ) );
-	for ( uint32_t v = 0; v < region->chain.variable_count; ++v )
+	const uint32_t count = region->checker->base->group.variable_count;
+	gradients g;
+	find_shifts( region, pose, &g );
+	if ( errors >> LW_REGION_ANGLE != 0 )
 	{
-		const lwi_twist* twist = &region->twists[v];
-		row[region->chain.variables[v]] = lwi_dot( by, shifts ? twist->shift : twist->turn );
+		find_turns( region, of, value, &g );
+	}
+	for ( ; errors != 0; errors &= errors - 1, row += count )
+	{
+		const uint32_t limit = lwi_lowest_bit( errors );
+		const bool shifts = limit < LW_REGION_ANGLE;
+		const lw_vec3 by = shifts ? g.shift[limit] : g.turn[limit - LW_REGION_ANGLE];
+		memset( row, 0, count * sizeof( double ) );
+		for ( uint32_t v = 0; v < region->chain.variable_count; ++v )
+		{
+			const lwi_twist* twist = &region->twists[v];
+			row[region->chain.variables[v]] = lwi_dot( by, shifts ? twist->shift : twist->turn );
+		}
 	}
 }
 
@@ -104,33 +116,25 @@ lw_status lw_region_rows( lw_region* region, const double* q, double fraction, u
 {
 	lwi_deviation deviation;
 	lw_transform pose;
-	if ( values == NULL || errors == 0 || errors >> LW_REGION_LIMITS != 0 || !lwi_region_take( region, q, fraction ) ||
-		 !lwi_region_deviation( region, region->values, fraction, NULL, jacobian != NULL ? region->twists : NULL, &pose,
-			 &deviation ) )
+	if ( values == NULL || errors == 0 || errors >> LW_REGION_LIMITS != 0 || region == NULL ||
+		 !lwi_region_deviation_at( region, q, fraction, jacobian != NULL ? region->twists : NULL, &pose, &deviation ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
-	const bool angles = errors >> LW_REGION_ANGLE != 0;
 	const lwi_deviation_rounding rounding = { 0, 0 };
 	double value[LW_REGION_LIMITS], error[LW_REGION_LIMITS];
-	gradients g;
 	memcpy( value, deviation.position, sizeof( deviation.position ) );
-	find_shifts( region, &pose, &g );
-	if ( angles )
+	if ( errors >> LW_REGION_ANGLE != 0 )
 	{
 		lwi_region_values( region, &deviation, &rounding, value, error );
-		find_turns( region, &deviation, value, &g );
 	}
-	const size_t count = region->checker->base->group.variable_count;
-	size_t row = 0;
-	for ( int i = 0; i < LW_REGION_LIMITS; ++i )
+	for ( uint32_t left = errors; left != 0; left &= left - 1 )
 	{
-		if ( ( errors >> i & 1 ) != 0 )
-		{
-			values[row] = value[i];
-			jacobian != NULL ? find_row( region, &g, i, jacobian + row * count ) : (void)0;
-			++row;
-		}
+		*values++ = value[lwi_lowest_bit( left )];
+	}
+	if ( jacobian != NULL )
+	{
+		find_rows( region, &pose, &deviation, value, errors, jacobian );
 	}
 	return LW_OK;
 }

@@ -416,7 +416,8 @@ double lwi_region_excess( const lw_region* region, lw_region_limit limit, double
 	return -INFINITY;
 }
 
-bool lwi_region_take( lw_region* region, const double* q, double fraction )
+bool lwi_region_deviation_at( lw_region* region, const double* q, double fraction, lwi_twist* twists, lw_transform* pose,
+	lwi_deviation* out )
 {
 	const uint32_t count = region != NULL ? region->checker->base->group.variable_count : 0;
 	bool good = region != NULL && ( q != NULL || count == 0 ) && isfinite( fraction );
@@ -425,14 +426,13 @@ bool lwi_region_take( lw_region* region, const double* q, double fraction )
 		region->values[i] = q[region->chain.variables[i]];
 		good = isfinite( region->values[i] );
 	}
-	return good;
+	return good && lwi_region_deviation( region, region->values, fraction, NULL, twists, pose, out );
 }
 
 lw_status lw_region_state( lw_region* region, const double* q, double fraction, lw_region_errors* out )
 {
 	lwi_deviation deviation;
-	if ( out == NULL || !lwi_region_take( region, q, fraction ) ||
-		 !lwi_region_deviation( region, region->values, fraction, NULL, NULL, &out->pose, &deviation ) )
+	if ( out == NULL || !lwi_region_deviation_at( region, q, fraction, NULL, &out->pose, &deviation ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}

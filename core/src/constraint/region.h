@@ -71,8 +71,9 @@ struct lw_region
 bool lwi_region_deviation( const lw_region* region, const double* values, double fraction, double* arms, lwi_twist* twists,
 	lw_transform* pose, lwi_deviation* out );
 
-/// Takes the chain's values from a state. @return false: there is no region, no state, or a number is not finite
-bool lwi_region_take( lw_region* region, const double* q, double fraction );
+/// The same at a state of the group. @param region, q NULL: false @return false for numbers that are not finite, too
+bool lwi_region_deviation_at( lw_region* region, const double* q, double fraction, lwi_twist* twists, lw_transform* pose,
+	lwi_deviation* out );
 
 /// The rotation of a deviation.
 lw_transform lwi_deviation_turn( const lwi_deviation* of );
