@@ -279,32 +279,50 @@ TEST( ConvexMeshes, SurfaceInsideASurfaceIsContact )
 	}
 }
 
+/// A witness is on the triangle of a mesh that is named with it.
+void expectNamed(
+    const ShapePtr& mesh, const lw_transform& pose, std::uint32_t triangle, lw_vec3 witness, const QueryPtr& query )
+{
+	ASSERT_LT( triangle, lw_shape_get_info( mesh.get() ).triangle_count );
+	const std::uint32_t* corners = lw_shape_triangles( mesh.get() ) + 3 * triangle;
+	std::vector<double> vertices;
+	for ( int k = 0; k < 3; ++k )
+	{
+		const double* v = lw_shape_vertices( mesh.get() ) + 3 * corners[k];
+		vertices.insert( vertices.end(), v, v + 3 );
+	}
+	const ShapePtr alone = makeMesh( vertices, { 0, 1, 2 } ), point = makePrimitive( LW_SHAPE_SPHERE, 1e-9 );
+	EXPECT_LT( distanceOf( alone.get(), pose, point.get(), at( witness.x, witness.y, witness.z ), query ).upper, 1e-7 );
+}
+
 TEST( ConvexMeshes, NamedTriangleDoesNotHoldTheWitness )
 {
 	SeededRng rng( 5 );
 	const QueryPtr query = makeQuery();
-	for ( int i = 0; i < 300; ++i )
+	Hull cuboid; // faces of four corners, of which two triangles have three
+	for ( int i = 0; i < 8; ++i )
 	{
-		const Hull a = randomHull( rng, 14, 1 );
-		const ShapePtr shape( shapeOf( a ) ), box = makePrimitive( LW_SHAPE_BOX, 0.2, 0.3, 0.4 );
-		const lw_transform here = lw_transform_identity(), there = randomPose( rng, 4 );
-		const lw_clearance out = distanceOf( shape.get(), here, box.get(), there, query );
-		if ( out.lower == 0 )
-		{
-			continue;
-		}
-		ASSERT_LT( out.a, a.indices.size() / 3 );
-		const uint32_t* corners = lw_shape_triangles( shape.get() ) + 3 * out.a;
-		std::vector<double> triangle;
-		for ( int k = 0; k < 3; ++k )
-		{
-			const double* v = lw_shape_vertices( shape.get() ) + 3 * corners[k];
-			triangle.insert( triangle.end(), v, v + 3 );
-		}
-		const ShapePtr alone = makeMesh( triangle, { 0, 1, 2 } ), point = makePrimitive( LW_SHAPE_SPHERE, 1e-9 );
-		const lw_transform witness = at( out.point_a.x, out.point_a.y, out.point_a.z );
-		EXPECT_LT( distanceOf( alone.get(), here, point.get(), witness, query ).upper, 1e-7 ) << i;
+		cuboid.vertices.insert( cuboid.vertices.end(), { i & 1 ? 0.4 : -0.4, i & 2 ? 0.5 : -0.5, i & 4 ? 0.3 : -0.3 } );
 	}
+	cuboid.indices = {
+	    0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
+	int named = 0;
+	for ( int i = 0; i < 600; ++i )
+	{
+		const Hull small = randomHull( rng, 14, 1 ), large = i % 200 == 0 ? randomHull( rng, 150, 1 ) : cuboid;
+		const ShapePtr a( shapeOf( small ) ),
+		    b = i % 2 == 0 ? ShapePtr( shapeOf( large ) ) : makePrimitive( LW_SHAPE_BOX, 0.2, 0.3, 0.4 );
+		const lw_transform here = randomPose( rng, 1 ), there = randomPose( rng, 4 );
+		const lw_clearance out = distanceOf( a.get(), here, b.get(), there, query );
+		if ( out.lower > 0 )
+		{
+			SCOPED_TRACE( i );
+			++named;
+			expectNamed( a, here, out.a, out.point_a, query );
+			i % 2 == 0 ? expectNamed( b, there, out.b, out.point_b, query ) : (void)0;
+		}
+	}
+	EXPECT_GT( named, 300 );
 }
 
 } // namespace

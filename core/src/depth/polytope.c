@@ -19,17 +19,21 @@ static inline int side( const lwi_polytope* p, const lwi_polytope_face* face, co
 	const double* a = p->points[face->corner[0]].w;
 	const lw_vec3 d = { a[0] - point[0], a[1] - point[1], a[2] - point[2] };
 	const double height = lwi_dot( face->normal, d ), bound = face->error * ( fabs( d.x ) + fabs( d.y ) + fabs( d.z ) );
-	if ( height > bound || height < -bound )
+	if ( fabs( height ) > bound )
 	{
 		return height > 0 ? 1 : -1;
 	}
 	return lwi_exact_side( a, p->points[face->corner[1]].w, p->points[face->corner[2]].w, point );
 }
 
-static lwi_polytope_face make_face( const lwi_polytope* p, uint16_t i, uint16_t j, uint16_t k )
+/// Adds a face in place: to copy one that was just written takes longer than to make it.
+static void add_face( lwi_polytope* p, uint16_t i, uint16_t j, uint16_t k )
 {
 	static const double origin[3] = { 0, 0, 0 };
-	lwi_polytope_face face = { .corner = { i, j, k } };
+	lwi_polytope_face* face = &p->faces[p->face_count++];
+	face->corner[0] = i;
+	face->corner[1] = j;
+	face->corner[2] = k;
 	const lw_vec3 a = lwi_load( p->points[i].w ), b = lwi_load( p->points[j].w ), c = lwi_load( p->points[k].w );
 	const lw_vec3 e = lwi_sub( b, a ), f = lwi_sub( c, a ), n = lwi_cross( e, f );
 	const double most = lwi_larger( fabs( n.x ), lwi_larger( fabs( n.y ), fabs( n.z ) ) );
@@ -38,14 +42,13 @@ static lwi_polytope_face make_face( const lwi_polytope* p, uint16_t i, uint16_t 
 	const double first = squares || !( most > 0 ) ? 1 : 1 / most;
 	const lw_vec3 scaled = most > 0 ? lwi_scale( first, n ) : lwi_v3( 1, 0, 0 );
 	const double second = 1 / lwi_length( scaled );
-	face.normal = lwi_scale( second, scaled );
+	face->normal = lwi_scale( second, scaled );
 	const double x = fabs( e.y * f.z ) + fabs( e.z * f.y ), y = fabs( e.z * f.x ) + fabs( e.x * f.z ),
 				 z = fabs( e.x * f.y ) + fabs( e.y * f.x );
-	face.error = most > 0 ? 12 * LWI_U64 * lwi_larger( x, lwi_larger( y, z ) ) * first * second : INFINITY;
-	face.offset =
-		lwi_smaller( lwi_dot( face.normal, a ), lwi_smaller( lwi_dot( face.normal, b ), lwi_dot( face.normal, c ) ) );
-	face.behind = side( p, &face, origin ) > 0;
-	return face;
+	face->error = most > 0 ? 12 * LWI_U64 * lwi_larger( x, lwi_larger( y, z ) ) * first * second : INFINITY;
+	face->offset =
+		lwi_smaller( lwi_dot( face->normal, a ), lwi_smaller( lwi_dot( face->normal, b ), lwi_dot( face->normal, c ) ) );
+	face->behind = side( p, face, origin ) > 0;
 }
 
 bool lwi_polytope_begin( lwi_polytope* p, const lwi_polytope_point points[4] )
@@ -62,21 +65,24 @@ bool lwi_polytope_begin( lwi_polytope* p, const lwi_polytope_point points[4] )
 		return false;
 	}
 	const uint16_t j = behind > 0 ? 1 : 2, k = behind > 0 ? 2 : 1; // 0, j, k sees nothing of 3
-	p->faces[p->face_count++] = make_face( p, 0, j, k );
-	p->faces[p->face_count++] = make_face( p, 0, 3, j );
-	p->faces[p->face_count++] = make_face( p, j, 3, k );
-	p->faces[p->face_count++] = make_face( p, k, 3, 0 );
+	add_face( p, 0, j, k );
+	add_face( p, 0, 3, j );
+	add_face( p, j, 3, k );
+	add_face( p, k, 3, 0 );
 	return true;
 }
 
 const lwi_polytope_face* lwi_polytope_nearest( const lwi_polytope* p )
 {
-	const lwi_polytope_face* best = &p->faces[0];
+	uint32_t best = 0;
+	double least = p->faces[0].offset; // loaded again from faces[best], each face would wait for the one before
 	for ( uint32_t i = 1; i < p->face_count; ++i )
 	{
-		best = p->faces[i].offset < best->offset ? &p->faces[i] : best;
+		const double offset = p->faces[i].offset;
+		best = offset < least ? i : best;
+		least = offset < least ? offset : least;
 	}
-	return best;
+	return &p->faces[best];
 }
 
 double lwi_polytope_ball( const lwi_polytope* p )
@@ -118,36 +124,36 @@ bool lwi_polytope_add( lwi_polytope* p, const lwi_polytope_point* point )
 			return false; // in the planes of its faces: signs would be costly
 		}
 	}
-	bool seen[LWI_POLYTOPE_FACES];
+	uint16_t seen[LWI_POLYTOPE_FACES]; // their numbers: nobody can foresee which they are, so no branch asks
 	uint32_t count = 0, kept = p->face_count;
-	rim r; // not cleared as a whole
-	r.count = 0;
 	for ( uint32_t i = 0; i < p->face_count; ++i )
 	{
-		seen[i] = side( p, &p->faces[i], point->w ) < 0;
-		count += seen[i];
-		for ( int k = 0; seen[i] && k < 3; ++k )
-		{
-			toggle( &r, p->faces[i].corner[k], p->faces[i].corner[( k + 1 ) % 3] );
-		}
+		seen[count] = (uint16_t)i;
+		count += side( p, &p->faces[i], point->w ) < 0;
+	}
+	rim r; // not cleared as a whole
+	r.count = 0;
+	for ( uint32_t i = 0; i < count; ++i )
+	{
+		const uint16_t* corner = p->faces[seen[i]].corner;
+		toggle( &r, corner[0], corner[1] );
+		toggle( &r, corner[1], corner[2] );
+		toggle( &r, corner[2], corner[0] );
 	}
 	if ( count == 0 || p->point_count == LWI_POLYTOPE_POINTS || p->face_count - count + r.count > LWI_POLYTOPE_FACES )
 	{
 		return false;
 	}
-	for ( uint32_t i = kept; i-- > 0; )
+	for ( uint32_t i = count; i-- > 0; )
 	{
-		if ( seen[i] )
-		{
-			p->faces[i] = p->faces[--kept];
-		}
+		p->faces[seen[i]] = p->faces[--kept];
 	}
 	const uint16_t added = (uint16_t)p->point_count;
 	p->points[p->point_count++] = *point;
 	p->face_count = kept;
 	for ( uint32_t i = 0; i < r.count; ++i )
 	{
-		p->faces[p->face_count++] = make_face( p, r.edge[i][0], r.edge[i][1], added );
+		add_face( p, r.edge[i][0], r.edge[i][1], added );
 	}
 	return true;
 }

@@ -50,41 +50,26 @@ static void measure_points( lwi_support_map* piece )
 /// Local copy of a shape about its reference point, which is returned.
 static lw_vec3 make_piece( const lwi_convex* shape, lwi_support_map* piece )
 {
-	lw_vec3 origin = { 0.0, 0.0, 0.0 };
-	piece->type = shape->type;
-	piece->last = 0;
 	if ( shape->type == LWI_CONVEX_TRIANGLE )
 	{
-		origin = shape->vertex[0];
-		piece->vertex[0] = lwi_v3( 0.0, 0.0, 0.0 );
-		piece->vertex[1] = lwi_sub( shape->vertex[1], origin );
-		piece->vertex[2] = lwi_sub( shape->vertex[2], origin );
-		double r1 = lwi_length_sq( piece->vertex[1] ), r2 = lwi_length_sq( piece->vertex[2] );
-		piece->radius = sqrt( r1 > r2 ? r1 : r2 );
-		return origin;
+		return lwi_piece_of_triangle( shape->vertex, piece );
+	}
+	if ( shape->type == LWI_CONVEX_POINTS && shape->mesh != NULL )
+	{
+		return lwi_piece_of_mesh( shape->mesh, shape->point_count, piece );
 	}
 	if ( shape->type == LWI_CONVEX_POINTS )
 	{
+		piece->type = LWI_CONVEX_POINTS;
 		piece->points = shape->points;
 		piece->point_count = shape->point_count;
-		piece->mesh = shape->mesh;
-		if ( shape->mesh != NULL )
-		{
-			piece->radius = shape->mesh->reach;
-			piece->vertex[1] = shape->mesh->mean;
-		}
-		else
-		{
-			measure_points( piece );
-		}
+		piece->mesh = NULL;
+		piece->last = 0;
+		measure_points( piece );
 		return lwi_load( shape->points );
 	}
-	const double* s = shape->size;
-	piece->size[0] = s[0];
-	piece->size[1] = s[1];
-	piece->size[2] = shape->type == LWI_CONVEX_BOX ? s[2] : 0.0;
-	piece->radius = sqrt( s[0] * s[0] + s[1] * s[1] + piece->size[2] * piece->size[2] );
-	return origin;
+	lwi_piece_of_primitive( shape->type, shape->size, piece );
+	return lwi_v3( 0.0, 0.0, 0.0 );
 }
 
 /// r p + t - q with the rounding of the result only, however much cancels.
@@ -104,6 +89,12 @@ static lw_vec3 place_precisely( const lw_transform* m, lw_vec3 p, lw_vec3 q )
 	return lwi_v3( out[0], out[1], out[2] );
 }
 
+/// At least the length of a vector, without a root.
+static double sum_of( lw_vec3 v )
+{
+	return fabs( v.x ) + fabs( v.y ) + fabs( v.z );
+}
+
 /// Offset from a's reference point to b's. The plain sum is wrong by up to 8 u of the magnitudes in it, so it is used only
 /// where these are at most twice the extent of the pair.
 static lw_vec3 reference_offset( const lw_transform* a_from_b, lw_vec3 origin_a, lw_vec3 origin_b, double radii )
@@ -111,8 +102,10 @@ static lw_vec3 reference_offset( const lw_transform* a_from_b, lw_vec3 origin_a,
 	lw_vec3 t = lwi_load( a_from_b->t );
 	lw_vec3 p = lwi_rotate( a_from_b, origin_b );
 	lw_vec3 d = lwi_sub( lwi_add( p, t ), origin_a );
-	double magnitude = lwi_length( p ) + lwi_length( t ) + lwi_length( origin_a );
-	return magnitude <= 2.0 * ( lwi_length( d ) + radii ) ? d : place_precisely( a_from_b, origin_b, origin_a );
+	const double most = 2.0 * ( lwi_length( d ) + radii );
+	const bool small = sum_of( p ) + sum_of( t ) + sum_of( origin_a ) <= most ||
+					   lwi_length( p ) + lwi_length( t ) + lwi_length( origin_a ) <= most;
+	return small ? d : place_precisely( a_from_b, origin_b, origin_a );
 }
 
 static lw_vec3 centroid( const lwi_support_map* piece )
@@ -135,17 +128,41 @@ static bool climbs( const lwi_support_map* piece )
 	return is_mesh( piece ) && piece->point_count >= LWI_CLIMB_FROM;
 }
 
+static lw_vec3 other_support( lwi_support_map* piece, const lw_vec3* n )
+{
+	return is_mesh( piece ) ? lwi_mesh_climb( piece, *n ) : lwi_support_point( piece, *n );
+}
+
+/// The point of a piece that is farthest along n: of most at once, since a call moves vectors through memory. Of meshes `last` is its vertex.
+/// @param climb large meshes climb
+static inline lw_vec3 support_of( lwi_support_map* piece, lw_vec3 n, bool climb )
+{
+	if ( piece->type == LWI_CONVEX_BOX )
+	{
+		return lwi_corner_of_box( piece->size, n );
+	}
+	if ( piece->type == LWI_CONVEX_TRIANGLE )
+	{
+		return lwi_corner_of_triangle( piece->vertex, n );
+	}
+	if ( !is_mesh( piece ) || ( climb && climbs( piece ) ) )
+	{
+		return other_support( piece, &n );
+	}
+	piece->last = lwi_mesh_farthest( piece->mesh, n );
+	return lwi_mesh_point( piece->mesh, piece->last );
+}
+
 /// Adds the support point of a - b against v to the simplex. @param climb large meshes climb
 static vec_d add_support( lwi_pair* pair, lw_vec3 v, bool climb, lwi_simplex* simplex )
 {
-	const lw_vec3 n = lwi_scale( -1.0, v ), m = lwi_unrotate( &pair->place, v );
-	const lw_vec3 a = is_mesh( &pair->a ) && ( climb || !climbs( &pair->a ) ) ? lwi_mesh_climb( &pair->a, n )
-																			  : lwi_support_point( &pair->a, n );
-	const lw_vec3 b = is_mesh( &pair->b ) && ( climb || !climbs( &pair->b ) ) ? lwi_mesh_climb( &pair->b, m )
-																			  : lwi_support_point( &pair->b, m );
+	const lw_vec3 a = support_of( &pair->a, lwi_scale( -1.0, v ), climb );
+	const lw_vec3 b = support_of( &pair->b, lwi_unrotate( &pair->place, v ), climb );
 	const lw_vec3 w = lwi_sub( a, lwi_transform( &pair->place, b ) );
 	simplex->a[simplex->count] = a;
 	simplex->b[simplex->count] = b;
+	simplex->vertex_a[simplex->count] = pair->a.last;
+	simplex->vertex_b[simplex->count] = pair->b.last;
 	return ( vec_d ){ w.x, w.y, w.z };
 }
 
@@ -171,6 +188,8 @@ static void reduce( lwi_simplex* simplex, vec_d* w, const nearest_d* nearest )
 		{
 			simplex->a[kept] = simplex->a[i];
 			simplex->b[kept] = simplex->b[i];
+			simplex->vertex_a[kept] = simplex->vertex_a[i];
+			simplex->vertex_b[kept] = simplex->vertex_b[i];
 			simplex->weight[kept] = nearest->weight[i];
 			w[kept++] = w[i];
 		}
@@ -288,6 +307,8 @@ static bool take_in( course* c, const lwi_pair* pair, lwi_simplex* simplex, vec_
 	{
 		simplex->a[0] = simplex->a[simplex->count]; // nearer than all that came before
 		simplex->b[0] = simplex->b[simplex->count];
+		simplex->vertex_a[0] = simplex->vertex_a[simplex->count];
+		simplex->vertex_b[0] = simplex->vertex_b[simplex->count];
 		simplex->count = 0;
 	}
 	w[simplex->count++] = next;
@@ -463,22 +484,50 @@ static double width_of( const lwi_pair* pair )
 							  : LWI_CONVEX_WIDTH_POLYTOPE * pair->extent;
 }
 
-lw_vec3 lwi_convex_pair( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b, lwi_pair* pair )
+void lwi_pair_place( lwi_pair* pair, const lw_transform* a_from_b, lw_vec3 origin_a, lw_vec3 origin_b )
 {
-	lw_vec3 origin_a = make_piece( a, &pair->a );
-	lw_vec3 origin_b = make_piece( b, &pair->b );
+	const lw_vec3 offset = reference_offset( a_from_b, origin_a, origin_b, pair->a.radius + pair->b.radius );
 	pair->place = *a_from_b;
-	lw_vec3 offset = reference_offset( a_from_b, origin_a, origin_b, pair->a.radius + pair->b.radius );
 	pair->place.t[0] = offset.x;
 	pair->place.t[1] = offset.y;
 	pair->place.t[2] = offset.z;
 	pair->extent = pair->a.radius + pair->b.radius + lwi_length( offset );
+}
+
+/// LWI_CORNERS and the vertices of a mesh that a point of the simplex is between. LW_INVALID_INDEX: more than three, or no mesh.
+static uint32_t corners_of( const lwi_support_map* piece, const uint32_t* vertex, int count )
+{
+	const uint32_t u = vertex[0];
+	uint32_t v = u, w = u;
+	for ( int i = 1; i < count; ++i )
+	{
+		const uint32_t next = vertex[i];
+		if ( next == u || next == v || next == w )
+		{
+			continue;
+		}
+		if ( w != u )
+		{
+			return LW_INVALID_INDEX;
+		}
+		w = v == u ? w : next;
+		v = v == u ? next : v;
+	}
+	return is_mesh( piece ) && count > 0 ? LWI_CORNERS | u | v << 10 | w << 20 : LW_INVALID_INDEX;
+}
+
+lw_vec3 lwi_convex_pair( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b, lwi_pair* pair )
+{
+	lw_vec3 origin_a = make_piece( a, &pair->a );
+	lw_vec3 origin_b = make_piece( b, &pair->b );
+	lwi_pair_place( pair, a_from_b, origin_a, origin_b );
 	return origin_a;
 }
 
 lwi_convex_result lwi_pair_distance( lwi_pair* pair, lw_vec3 origin_a, double enough, double stop_above, double stop_below )
 {
 	lwi_bounds bounds = { -INFINITY, INFINITY, { 0.0, 0.0, 0.0 }, lwi_load( pair->place.t ), 0 };
+	uint32_t corners_a = LW_INVALID_INDEX, corners_b = LW_INVALID_INDEX;
 	bool at_corner = false;
 	if ( pair->a.type == LWI_CONVEX_TRIANGLE && pair->b.type == LWI_CONVEX_TRIANGLE )
 	{
@@ -501,6 +550,11 @@ lwi_convex_result lwi_pair_distance( lwi_pair* pair, lw_vec3 origin_a, double en
 		{
 			lwi_convex_refine( pair, &simplex, width, stop_above, stop_below, &bounds );
 		}
+		else if ( !curved ) // its last simplex has the two points
+		{
+			corners_a = corners_of( &pair->a, simplex.vertex_a, simplex.count );
+			corners_b = corners_of( &pair->b, simplex.vertex_b, simplex.count );
+		}
 	}
 	if ( bounds.upper <= 0.5 * LWI_CONVEX_ROUNDING * pair->extent ) // contact: one common point
 	{
@@ -510,7 +564,7 @@ lwi_convex_result lwi_pair_distance( lwi_pair* pair, lw_vec3 origin_a, double en
 	// Lower may exceed upper where both are the distance to rounding
 	return ( lwi_convex_result ){ lwi_clamp( bounds.lower, 0.0, bounds.upper ), bounds.upper,
 		lwi_add( bounds.point_a, origin_a ), lwi_add( bounds.point_b, origin_a ), bounds.iterations, at_corner, pair->a.last,
-		pair->b.last };
+		pair->b.last, corners_a, corners_b };
 }
 
 lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b,

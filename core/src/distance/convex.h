@@ -49,6 +49,8 @@ typedef struct lwi_convex_result
 	uint32_t iterations;
 	bool at_corner;              ///< of a triangle, by a closed form
 	uint32_t vertex_a, vertex_b; ///< of convex meshes: a vertex that is foremost, or nearly
+	uint32_t corners_a,
+		corners_b; ///< of convex meshes: LWI_CORNERS and the vertices that the point is between, or LW_INVALID_INDEX
 } lwi_convex_result;
 
 /// Distance of two convex pieces; 0 if they touch. Never fails and never loops without end: at the iteration limit the

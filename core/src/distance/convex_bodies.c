@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pairs of convex bodies of which one is a mesh: one convex distance in place of a search of trees.
+// Pairs of convex bodies, primitives and convex meshes: one convex distance, no search of trees.
 //
 // Bodies that are proved to be apart are as far from each other as their surfaces, and nothing is inside of the other. Where hulls
 // touch, the surfaces may still be apart, one inside of the other; the search of the trees tells. Proof: core/docs/convex_meshes.md.
+#include "distance/convex_internal.h"
 #include "distance/pair_query.h"
 
 bool lwi_convex_of_shape( const lw_shape* shape, lwi_convex* out )
@@ -29,12 +30,13 @@ bool lwi_convex_of_shape( const lw_shape* shape, lwi_convex* out )
 	return false;
 }
 
-/// A triangle at a vertex of a convex mesh: whoever names it looks for the one at the point. Item 0 of others.
-static uint32_t item_at( const lw_shape* shape, uint32_t vertex )
+/// Of a convex mesh the corners of the point, else a triangle at a vertex: whoever names it looks for the triangle at the point. Item 0 of others.
+static uint32_t item_at( const lw_shape* shape, uint32_t corners, uint32_t vertex )
 {
-	return shape->primitive        ? LW_INVALID_INDEX
-		   : shape->convex != NULL ? shape->convex->triangles[shape->convex->first[vertex]]
-								   : 0;
+	return shape->primitive              ? LW_INVALID_INDEX
+		   : shape->convex == NULL       ? 0
+		   : corners != LW_INVALID_INDEX ? corners
+										 : shape->convex->triangles[shape->convex->first[vertex]];
 }
 
 /// Of a body that meets another: no triangle of a mesh, whose inside may be all that they share.
@@ -54,37 +56,72 @@ static double dilation_of( const lw_shape* shape )
 	return shape->primitive ? 0 : lwi_item_radius( shape, 0 );
 }
 
-bool lwi_search_convex( lwi_searching* s )
+/// A bounded primitive, a convex mesh, or a mesh or set of one item, in place. Returns its reference point.
+static lw_vec3 piece_of( const lw_shape* shape, lwi_support_map* out )
 {
-	const lw_shape *a = s->a, *b = s->b;
-	lwi_convex piece_a, piece_b;
-	// two items, or primitives, are one measurement anyway
-	const bool tree = a->convex != NULL || b->convex != NULL || a->primitive != b->primitive;
-	if ( !tree || !lwi_convex_of_shape( a, &piece_a ) || !lwi_convex_of_shape( b, &piece_b ) )
+	if ( shape->family == LWI_CONVEX )
+	{
+		double size[3];
+		lwi_sizes_of_primitive( shape, size );
+		lwi_piece_of_primitive( lwi_type_of_primitive( shape ), size, out );
+		return lwi_v3( 0, 0, 0 );
+	}
+	if ( shape->convex != NULL )
+	{
+		return lwi_piece_of_mesh( shape->convex, shape->vertex_count, out );
+	}
+	lw_vec3 corners[3];
+	lwi_load_corners( shape, 0, corners );
+	return lwi_piece_of_triangle( corners, out );
+}
+
+static bool is_body( const lw_shape* shape )
+{
+	return shape->family == LWI_CONVEX || shape->convex != NULL;
+}
+
+/// A body, or one triangle or ball.
+static bool is_piece( const lw_shape* shape )
+{
+	return is_body( shape ) || ( shape->item_count == 1 && shape->family <= LWI_BALLS );
+}
+
+bool lwi_search_convex( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	lwi_bound* bound )
+{
+	const bool meshes = a->convex != NULL || b->convex != NULL;
+	// two items are one measurement anyway
+	if ( !( is_body( a ) || is_body( b ) ) || !is_piece( a ) || !is_piece( b ) || ( meshes && !memory->def.planes ) )
 	{
 		return false;
 	}
-	s->memory->stats.exact_tests++;
-	const double error = LWI_POSE_ERROR / LWI_EXACT_ERROR * s->error;
-	const double radii = dilation_of( a ) + dilation_of( b ) + s->bound->margin;
-	const double stop_below = ( s->bound->range.min_d + radii ) * ( 1 - 8 * LWI_U64 );
-	const lwi_convex_result r =
-		lwi_convex_distance( &piece_a, &piece_b, s->a_from_b, s->bound->cutoff + radii + 2 * error, stop_below );
-	if ( !( r.lower > error ) )
+	memory->stats.exact_tests++;
+	lwi_pair pair;
+	const lw_vec3 origin_a = piece_of( a, &pair.a ), origin_b = piece_of( b, &pair.b );
+	lwi_pair_place( &pair, a_from_b, origin_a, origin_b );
+	const double error = LWI_POSE_ERROR * lwi_pair_reach( a, b, a_from_b );
+	const double radius_a = dilation_of( a ), radius_b = dilation_of( b ), radii = radius_a + radius_b + bound->margin;
+	// a distance is near enough if it stays a violation without radii and margin; subtracting them rounds
+	const double stop_below = ( bound->range.min_d + radii ) * ( 1 - 8 * LWI_U64 );
+	const lwi_convex_result r = lwi_pair_distance( &pair, origin_a, 0, bound->cutoff + radii + 2 * error, stop_below );
+	const bool apart = r.lower > error;
+	if ( !apart && meshes )
 	{
-		const bool contact = r.upper == 0 && is_solid( s->bound, a ) && is_solid( s->bound, b );
-		if ( contact ) // at a point that is inside, or on both surfaces
+		// at a point that is inside, or on both surfaces
+		const bool contact = r.upper == 0 && is_solid( bound, a ) && is_solid( bound, b );
+		if ( contact )
 		{
-			lwi_offer_items( s, 0, 0, r.point_a, r.point_b, item_in_contact( a ), item_in_contact( b ) );
+			lwi_offer_pieces( bound, radius_a, radius_b, 0, 0, r.point_a, r.point_b, item_in_contact( a ),
+				item_in_contact( b ) );
 		}
 		return contact;
 	}
-	if ( s->bound->ties != NULL )
+	if ( bound->ties != NULL )
 	{
-		lwi_note_tie_of_bodies( s );
+		lwi_note_tie_of_bodies( bound->ties, a, b, a_from_b );
 		return true;
 	}
-	const uint32_t item_a = item_at( a, r.vertex_a ), item_b = item_at( b, r.vertex_b );
-	lwi_offer_items( s, r.lower - error, r.upper, r.point_a, r.point_b, item_a, item_b );
+	lwi_offer_pieces( bound, radius_a, radius_b, r.lower - error, r.upper, r.point_a, r.point_b,
+		item_at( a, r.corners_a, r.vertex_a ), item_at( b, r.corners_b, r.vertex_b ) );
 	return true;
 }

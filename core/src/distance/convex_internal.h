@@ -34,6 +34,46 @@ typedef struct lwi_pair
 /// The pieces as a pair. Returns a's reference point, which all points of the pair are relative to.
 lw_vec3 lwi_convex_pair( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b, lwi_pair* pair );
 
+/// Places the pieces of a pair, which are set. @param origin_a, origin_b their reference points
+void lwi_pair_place( lwi_pair* pair, const lw_transform* a_from_b, lw_vec3 origin_a, lw_vec3 origin_b );
+
+/// A triangle as a piece. Returns its reference point.
+static inline lw_vec3 lwi_piece_of_triangle( const lw_vec3 v[3], lwi_support_map* out )
+{
+	out->type = LWI_CONVEX_TRIANGLE;
+	out->vertex[0] = lwi_v3( 0.0, 0.0, 0.0 );
+	out->vertex[1] = lwi_sub( v[1], v[0] );
+	out->vertex[2] = lwi_sub( v[2], v[0] );
+	const double r1 = lwi_length_sq( out->vertex[1] ), r2 = lwi_length_sq( out->vertex[2] );
+	out->radius = sqrt( r1 > r2 ? r1 : r2 );
+	out->last = 0;
+	return v[0];
+}
+
+/// A convex mesh as a piece. Returns its reference point.
+static inline lw_vec3 lwi_piece_of_mesh( const lwi_convex_mesh* mesh, uint32_t point_count, lwi_support_map* out )
+{
+	out->type = LWI_CONVEX_POINTS;
+	out->points = mesh->points;
+	out->point_count = point_count;
+	out->mesh = mesh;
+	out->last = 0;
+	out->radius = mesh->reach;
+	out->vertex[1] = mesh->mean;
+	return lwi_load( mesh->points );
+}
+
+/// A primitive as a piece, about its centre. @param size as in lwi_convex
+static inline void lwi_piece_of_primitive( lwi_convex_type type, const double size[3], lwi_support_map* out )
+{
+	out->type = type;
+	out->size[0] = size[0];
+	out->size[1] = size[1];
+	out->size[2] = type == LWI_CONVEX_BOX ? size[2] : 0.0;
+	out->radius = sqrt( size[0] * size[0] + size[1] * size[1] + out->size[2] * out->size[2] );
+	out->last = 0;
+}
+
 /// lwi_convex_distance() of a pair. @param origin_a as lwi_convex_pair() returned it
 /// @param enough metres: an interval above 0 no wider than this will do
 lwi_convex_result lwi_pair_distance( lwi_pair* pair, lw_vec3 origin_a, double enough, double stop_above, double stop_below );
@@ -43,7 +83,8 @@ typedef struct lwi_simplex
 {
 	int count;
 	lw_vec3 a[4], b[4];
-	double weight[4]; ///< of the closest point to the origin
+	uint32_t vertex_a[4], vertex_b[4]; ///< of meshes: of these points; of the double stage alone
+	double weight[4];                  ///< of the closest point to the origin
 } lwi_simplex;
 
 /// The interval that both stages narrow: lower is proved (and may be < 0), upper is attained by the weighted simplex points.
@@ -132,13 +173,26 @@ static inline bool lwi_is_curved( const lwi_support_map* piece )
 	return piece->type == LWI_CONVEX_CYLINDER || piece->type == LWI_CONVEX_CONE;
 }
 
+/// The corner of a box that is farthest along n.
+static inline lw_vec3 lwi_corner_of_box( const double half[3], lw_vec3 n )
+{
+	return lwi_v3( copysign( half[0], n.x ), copysign( half[1], n.y ), copysign( half[2], n.z ) );
+}
+
+/// The corner of a triangle that is farthest along n.
+static inline lw_vec3 lwi_corner_of_triangle( const lw_vec3 vertex[3], lw_vec3 n )
+{
+	const double d1 = lwi_dot( n, vertex[1] ), d2 = lwi_dot( n, vertex[2] );
+	return d1 > 0.0 ? ( d2 > d1 ? vertex[2] : vertex[1] ) : d2 > 0.0 ? vertex[2] : vertex[0];
+}
+
 /// A point of the piece that is farthest in direction n (any length > 0).
 static inline lw_vec3 lwi_support_point( const lwi_support_map* piece, lw_vec3 n )
 {
 	switch ( piece->type )
 	{
 	case LWI_CONVEX_BOX:
-		return lwi_v3( copysign( piece->size[0], n.x ), copysign( piece->size[1], n.y ), copysign( piece->size[2], n.z ) );
+		return lwi_corner_of_box( piece->size, n );
 	case LWI_CONVEX_CYLINDER:
 	case LWI_CONVEX_CONE:
 	{
@@ -160,8 +214,7 @@ static inline lw_vec3 lwi_support_point( const lwi_support_map* piece, lw_vec3 n
 	case LWI_CONVEX_TRIANGLE:
 		break;
 	}
-	double d1 = lwi_dot( n, piece->vertex[1] ), d2 = lwi_dot( n, piece->vertex[2] );
-	return d1 > 0.0 ? ( d2 > d1 ? piece->vertex[2] : piece->vertex[1] ) : d2 > 0.0 ? piece->vertex[2] : piece->vertex[0];
+	return lwi_corner_of_triangle( piece->vertex, n );
 }
 
 /// True if the bounds meet the stopping rule. While contact is not excluded (lower <= 0) the full width is not enough: the

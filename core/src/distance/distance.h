@@ -42,7 +42,7 @@ typedef struct lwi_bound
 	uint32_t pair;         ///< `current_pair` when it was found
 	uint32_t current_pair; ///< set by the caller before each search
 	lwi_ties* ties;        ///< NULL: not asked
-	bool was_near;         ///< the two were near in the last state: no test for far pairs comes first
+	bool was_near;         ///< the two are likely to be near: no test for far pairs comes first
 	bool insides;          ///< closed surfaces count as solid, declared or not: of depths
 } lwi_bound;
 

@@ -25,21 +25,9 @@ uint32_t lwi_item_corners( const lw_shape* shape, uint32_t item, lw_vec3 out[8] 
 	return shape->family == LWI_BALLS ? 1 : 3;
 }
 
-void lwi_sizes_of_primitive( const lw_shape* shape, double size[3] )
-{
-	const bool box = shape->type == LW_SHAPE_BOX, bounded = shape->family != LWI_UNBOUNDED;
-	size[0] = bounded ? ( box ? 0.5 : 1 ) * shape->dimensions[0] : 0;
-	size[1] = bounded ? 0.5 * shape->dimensions[1] : 0;
-	size[2] = box ? 0.5 * shape->dimensions[2] : 0;
-}
-
 lwi_convex lwi_convex_of_primitive( const lw_shape* shape )
 {
-	lwi_convex convex = { .type = LWI_CONVEX_BOX };
-	if ( shape->family != LWI_UNBOUNDED && shape->type != LW_SHAPE_BOX )
-	{
-		convex.type = shape->type == LW_SHAPE_CYLINDER ? LWI_CONVEX_CYLINDER : LWI_CONVEX_CONE;
-	}
+	lwi_convex convex = { .type = lwi_type_of_primitive( shape ) };
 	lwi_sizes_of_primitive( shape, convex.size );
 	return convex;
 }

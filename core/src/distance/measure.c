@@ -24,31 +24,38 @@ void lwi_dilate( double radius_a, double radius_b, double distance, lw_vec3* poi
 	*point_b = lwi_add_scaled( b, -from_b, direction );
 }
 
+bool lwi_offer_pieces( lwi_bound* bound, double radius_a, double radius_b, double lower, double upper, lw_vec3 point_a,
+	lw_vec3 point_b, uint32_t item_a, uint32_t item_b )
+{
+	const double radii = radius_a + radius_b, low = lower - radii, high = upper - radii;
+	if ( !lwi_bound_offer( bound, low > 0 ? low : 0, high > 0 ? high : 0 ) )
+	{
+		return false;
+	}
+	lwi_dilate( radius_a, radius_b, upper, &point_a, &point_b );
+	bound->point_a = point_a;
+	bound->point_b = point_b;
+	bound->triangle_a = item_a;
+	bound->triangle_b = item_b;
+	return true;
+}
+
 void lwi_offer_items( lwi_searching* s, double lower, double upper, lw_vec3 point_a, lw_vec3 point_b, uint32_t item_a,
 	uint32_t item_b )
 {
 	double radius_a = s->a->primitive ? 0 : lwi_item_radius( s->a, item_a );
 	double radius_b = s->b->primitive ? 0 : lwi_item_radius( s->b, item_b );
-	double radii = radius_a + radius_b, low = lower - radii, high = upper - radii;
 	if ( s->bound->ties != NULL )
 	{
 		lw_vec3 a = point_a, b = point_b;
 		lwi_dilate( radius_a, radius_b, upper, &a, &b );
-		lwi_note_tie( s, high, a, b, item_a, item_b );
+		lwi_note_tie( s, upper - radius_a - radius_b, a, b, item_a, item_b );
 	}
-	if ( lwi_bound_offer( s->bound, low > 0 ? low : 0, high > 0 ? high : 0 ) )
+	if ( lwi_offer_pieces( s->bound, radius_a, radius_b, lower, upper, point_a, point_b, item_a, item_b ) && s->trees )
 	{
-		if ( s->trees )
-		{
-			lwi_set_direction( s, point_a, point_b );
-			s->guess_gap = -INFINITY;
-			lwi_update_limit( s );
-		}
-		lwi_dilate( radius_a, radius_b, upper, &point_a, &point_b );
-		s->bound->point_a = point_a;
-		s->bound->point_b = point_b;
-		s->bound->triangle_a = item_a;
-		s->bound->triangle_b = item_b;
+		lwi_set_direction( s, point_a, point_b );
+		s->guess_gap = -INFINITY;
+		lwi_update_limit( s );
 	}
 }
 

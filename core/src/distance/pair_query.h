@@ -170,6 +170,13 @@ static inline double lwi_extent_of( const lw_shape* shape )
 							: (double)shape->extent;
 }
 
+/// The largest coordinates of a pair: scale of the rounding of a distance in double.
+static inline double lwi_pair_reach( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b )
+{
+	return lwi_largest3( lwi_load( a->origin ) ) + lwi_largest3( lwi_load( b->origin ) ) +
+		   lwi_largest3( lwi_load( a_from_b->t ) ) + lwi_extent_of( a ) + lwi_extent_of( b );
+}
+
 static inline void lwi_update_limit( lwi_searching* s )
 {
 	double limit = s->bound->cutoff + s->radii;
@@ -289,7 +296,12 @@ void lwi_measure_items( lwi_searching* s, uint32_t item_a, uint32_t item_b );
 /// Witness points of dilated geometry from those of the cores, `distance` apart; returns them in place.
 void lwi_dilate( double radius_a, double radius_b, double distance, lw_vec3* point_a, lw_vec3* point_b );
 
-/// Offers the distance [lower, upper] of two items without their dilation. @param point_a, point_b a's shape frame
+/// Offers the distance [lower, upper] of two pieces without their dilation. True if it is the least so far.
+/// @param point_a, point_b their nearest points, without dilation, in the frame that the bound's witnesses have
+bool lwi_offer_pieces( lwi_bound* bound, double radius_a, double radius_b, double lower, double upper, lw_vec3 point_a,
+	lw_vec3 point_b, uint32_t item_a, uint32_t item_b );
+
+/// The same for two items of a search. @param point_a, point_b a's shape frame
 void lwi_offer_items( lwi_searching* s, double lower, double upper, lw_vec3 point_a, lw_vec3 point_b, uint32_t item_a,
 	uint32_t item_b );
 
@@ -305,8 +317,10 @@ lwi_tri_result lwi_round_distance( const lw_shape* a, const lw_transform* world_
 /// A shape as one convex piece without its dilation. False if it is none.
 bool lwi_convex_of_shape( const lw_shape* shape, lwi_convex* out );
 
-/// Measures two convex bodies, one of them a mesh, at once. False if they are none, or not proved to be apart.
-bool lwi_search_convex( lwi_searching* s );
+/// lwi_search() of two primitives, convex meshes or single items, one of them no item. False if they are none, or surfaces that are not proved to
+/// be apart.
+bool lwi_search_convex( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
+	lwi_bound* bound );
 
 // --- distance/items.c ------------------------------------------------------------------------------------------------
 
@@ -319,8 +333,22 @@ void lwi_load_corners( const lw_shape* shape, uint32_t item, lw_vec3 out[3] );
 /// A box, cylinder or cone as a convex piece.
 lwi_convex lwi_convex_of_primitive( const lw_shape* shape );
 
+/// The type of that piece.
+static inline lwi_convex_type lwi_type_of_primitive( const lw_shape* shape )
+{
+	return shape->type == LW_SHAPE_CYLINDER ? LWI_CONVEX_CYLINDER
+		   : shape->type == LW_SHAPE_CONE   ? LWI_CONVEX_CONE
+											: LWI_CONVEX_BOX;
+}
+
 /// Its half sizes, of cylinders and cones radius and half length; 0 of unbounded ones.
-void lwi_sizes_of_primitive( const lw_shape* shape, double size[3] );
+static inline void lwi_sizes_of_primitive( const lw_shape* shape, double size[3] )
+{
+	const bool box = shape->type == LW_SHAPE_BOX, bounded = shape->family != LWI_UNBOUNDED;
+	size[0] = bounded ? ( box ? 0.5 : 1 ) * shape->dimensions[0] : 0;
+	size[1] = bounded ? 0.5 * shape->dimensions[1] : 0;
+	size[2] = box ? 0.5 * shape->dimensions[2] : 0;
+}
 
 // --- distance/ties.c -------------------------------------------------------------------------------------------------
 
@@ -329,7 +357,7 @@ void lwi_sizes_of_primitive( const lw_shape* shape, double size[3] );
 void lwi_note_tie( lwi_searching* s, double distance, lw_vec3 point_a, lw_vec3 point_b, uint32_t item_a, uint32_t item_b );
 
 /// The same for two convex bodies that are apart: their nearest points are the only ones, unless faces or edges are parallel.
-void lwi_note_tie_of_bodies( lwi_searching* s );
+void lwi_note_tie_of_bodies( lwi_ties* ties, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b );
 
 // --- distance/shared_feature.c ---------------------------------------------------------------------------------------------------
 

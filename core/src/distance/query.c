@@ -34,9 +34,7 @@ static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a,
 	s.trees = s.obbs = s.has_direction = s.shared.known = false;
 	s.radii =
 		( a->family == LWI_TRIANGLES ? a->radius : 0 ) + ( b->family == LWI_TRIANGLES ? b->radius : 0 ) + bound->margin;
-	double reach = lwi_largest3( lwi_load( a->origin ) ) + lwi_largest3( lwi_load( b->origin ) ) +
-				   lwi_largest3( lwi_load( a_from_b->t ) ) + lwi_extent_of( a ) + lwi_extent_of( b );
-	s.error = LWI_EXACT_ERROR * reach;
+	s.error = LWI_EXACT_ERROR * lwi_pair_reach( a, b, a_from_b );
 	return s;
 }
 
@@ -154,11 +152,11 @@ static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_
 	{
 		return; // so nothing is inside of the other either
 	}
-	lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
-	if ( memory->def.planes && lwi_search_convex( &s ) )
+	if ( lwi_search_convex( memory, a, b, a_from_b, bound ) )
 	{
 		return;
 	}
+	lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
 	if ( a->primitive && b->primitive )
 	{
 		lwi_measure_items( &s, LW_INVALID_INDEX, LW_INVALID_INDEX );
@@ -246,12 +244,12 @@ void lwi_measure( lwi_search_memory* memory, const lw_shape* a, const lw_shape* 
 	{
 		return;
 	}
-	lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
-	if ( memory->def.planes && ( a->convex != NULL || b->convex != NULL || ( a_counts && b_counts ) ) &&
-		 lwi_search_convex( &s ) )
+	if ( ( a->convex != NULL || b->convex != NULL || ( a_counts && b_counts ) ) &&
+		 lwi_search_convex( memory, a, b, a_from_b, bound ) )
 	{
 		return; // as a search has it, at the cost of two triangles
 	}
+	lwi_searching s = search_begin( memory, a, b, a_from_b, bound );
 	if ( a_counts && b_counts )
 	{
 		lwi_measure_items( &s, item_a, item_b );

@@ -2,26 +2,44 @@
 // Pairs with a closed form: two spheres or capsules, a sphere and a primitive. No tree, box or frame of the pair is made.
 #include "distance/pair_query.h"
 
-/// The segment of a sphere or capsule, in the axes of the world.
-typedef struct segment
-{
-	lw_vec3 end[3]; ///< the second end twice, as triangles have it; of a sphere all are one point
-} segment;
-
 /// Metres: no coordinate of the shape in its own frame is larger.
 static double reach_of( const lw_shape* shape )
 {
 	return lwi_largest3( lwi_load( shape->origin ) ) + lwi_extent_of( shape );
 }
 
-static segment segment_of( const lw_shape* shape, const lw_transform* pose, lw_vec3 shift )
+/// Half of a capsule's segment, in the axes of the world. Spheres and capsules have their middle at the origin of their frames, capsules are along z.
+static lw_vec3 half_of( const lw_shape* capsule, const lw_transform* pose )
 {
-	segment out;
-	out.end[0] = lwi_add( lwi_rotate( pose, lwi_load( shape->vertices ) ), shift );
-	out.end[1] =
-		shape->type == LW_SHAPE_SPHERE ? out.end[0] : lwi_add( lwi_rotate( pose, lwi_load( shape->vertices + 3 ) ), shift );
-	out.end[2] = out.end[1];
-	return out;
+	return lwi_scale( 0.5 * capsule->dimensions[1], lwi_v3( pose->r[0][2], pose->r[1][2], pose->r[2][2] ) );
+}
+
+/// The point of a capsule's segment that is nearest to a point.
+static lw_vec3 axis_point( const lw_shape* capsule, const lw_transform* pose, lw_vec3 place, lw_vec3 point )
+{
+	const lw_vec3 half = half_of( capsule, pose );
+	const double square = lwi_length_sq( half ), along = lwi_dot( half, lwi_sub( point, place ) );
+	return lwi_add_scaled( place, square > 0 ? lwi_clamp( along / square, -1, 1 ) : 0, half );
+}
+
+/// Of two points, a point and a segment, or two segments.
+static lwi_tri_result core_distance( const lw_shape* a, const lw_transform* world_from_a, const lw_shape* b,
+	const lw_transform* world_from_b, lw_vec3 between )
+{
+	const lw_vec3 here = { 0, 0, 0 };
+	if ( a->type == LW_SHAPE_SPHERE )
+	{
+		const lw_vec3 at = b->type == LW_SHAPE_SPHERE ? between : axis_point( b, world_from_b, between, here );
+		return ( lwi_tri_result ){ lwi_length( at ), here, at };
+	}
+	if ( b->type == LW_SHAPE_SPHERE )
+	{
+		const lw_vec3 at = axis_point( a, world_from_a, here, between );
+		return ( lwi_tri_result ){ lwi_distance( at, between ), at, between };
+	}
+	const lw_vec3 x = half_of( a, world_from_a ), y = half_of( b, world_from_b ), end_a = x, end_b = lwi_add( between, y );
+	const lw_vec3 from[3] = { lwi_scale( -1, x ), end_a, end_a }, to[3] = { lwi_sub( between, y ), end_b, end_b };
+	return lwi_tri_tri( from, to );
 }
 
 /// A point and a primitive at `to` from the world's origin. @param closest in the world
@@ -44,27 +62,14 @@ lwi_tri_result lwi_round_distance( const lw_shape* a, const lw_transform* world_
 	const lw_vec3 between = lwi_sub( lwi_load( world_from_b->t ), lwi_load( world_from_a->t ) ), here = { 0, 0, 0 };
 	const double scale = reach_of( a ) + reach_of( b ) + lwi_largest3( between );
 	*error = LWI_EXACT_ERROR * scale;
-	lwi_tri_result out;
 	if ( !a->primitive && !b->primitive )
 	{
-		const segment from = segment_of( a, world_from_a, here ), to = segment_of( b, world_from_b, between );
-		if ( a->type == LW_SHAPE_SPHERE && b->type == LW_SHAPE_SPHERE )
-		{
-			return ( lwi_tri_result ){ lwi_distance( from.end[0], to.end[0] ), from.end[0], to.end[0] };
-		}
-		return lwi_tri_tri( from.end, to.end );
+		return core_distance( a, world_from_a, b, world_from_b, between );
 	}
+	lwi_tri_result out = { 0, here, between };
 	double own;
-	if ( a->primitive )
-	{
-		out.point_b = lwi_add( lwi_rotate( world_from_b, lwi_load( b->vertices ) ), between );
-		out.distance = point_distance( out.point_b, a, world_from_a, here, &out.point_a, &own );
-	}
-	else
-	{
-		out.point_a = lwi_rotate( world_from_a, lwi_load( a->vertices ) );
-		out.distance = point_distance( out.point_a, b, world_from_b, between, &out.point_b, &own );
-	}
+	out.distance = a->primitive ? point_distance( between, a, world_from_a, here, &out.point_a, &own )
+								: point_distance( here, b, world_from_b, between, &out.point_b, &own );
 	*error = LWI_POSE_ERROR * scale + own;
 	return out;
 }
@@ -80,14 +85,8 @@ bool lwi_search_round( lwi_search_memory* memory, const lw_shape* a, const lw_tr
 		return false; // the centre may be inside
 	}
 	memory->stats.exact_tests++;
-	const double radii = a->radius + b->radius; // 0 of primitives
-	if ( lwi_bound_offer( bound, lwi_larger( r.distance - error - radii, 0 ), lwi_larger( r.distance - radii, 0 ) ) )
-	{
-		lwi_dilate( a->radius, b->radius, r.distance, &r.point_a, &r.point_b );
-		bound->point_a = r.point_a;
-		bound->point_b = r.point_b;
-		bound->triangle_a = a->primitive ? LW_INVALID_INDEX : 0;
-		bound->triangle_b = b->primitive ? LW_INVALID_INDEX : 0;
-	}
+	// radii are 0 of primitives
+	lwi_offer_pieces( bound, a->radius, b->radius, r.distance - error, r.distance, r.point_a, r.point_b,
+		a->primitive ? LW_INVALID_INDEX : 0, b->primitive ? LW_INVALID_INDEX : 0 );
 	return true;
 }

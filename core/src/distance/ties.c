@@ -101,16 +101,16 @@ static front front_of_item( const lw_shape* shape, uint32_t item, lw_vec3 n, dou
 }
 
 /// True if both items face each other by more than a point.
-static bool fronts_are_parallel( const lwi_searching* s, uint32_t item_a, uint32_t item_b )
+static bool fronts_are_parallel( const lwi_ties* ties, const lw_shape* shape_a, const lw_shape* shape_b,
+	const lw_transform* a_from_b, uint32_t item_a, uint32_t item_b )
 {
-	const lwi_ties* ties = s->bound->ties;
-	const front a = front_of_item( s->a, item_a, lwi_scale( -1, ties->normal ), ties->width );
-	const front b = front_of_item( s->b, item_b, lwi_unrotate( s->a_from_b, ties->normal ), ties->width );
+	const front a = front_of_item( shape_a, item_a, lwi_scale( -1, ties->normal ), ties->width );
+	const front b = front_of_item( shape_b, item_b, lwi_unrotate( a_from_b, ties->normal ), ties->width );
 	if ( a.dimension == 0 || b.dimension == 0 || a.dimension + b.dimension > 2 )
 	{
 		return a.dimension > 0 && b.dimension > 0;
 	}
-	const lw_vec3 along = lwi_rotate( s->a_from_b, b.along );
+	const lw_vec3 along = lwi_rotate( a_from_b, b.along );
 	return lwi_length( lwi_cross( a.along, along ) ) <= PARALLEL * lwi_length( a.along ) * lwi_length( along );
 }
 
@@ -122,10 +122,11 @@ void lwi_note_tie( lwi_searching* s, double distance, lw_vec3 point_a, lw_vec3 p
 		return;
 	}
 	ties->found = lwi_distance( point_a, ties->point_a ) > ties->apart ||
-				  lwi_distance( point_b, ties->point_b ) > ties->apart || fronts_are_parallel( s, item_a, item_b );
+				  lwi_distance( point_b, ties->point_b ) > ties->apart ||
+				  fronts_are_parallel( ties, s->a, s->b, s->a_from_b, item_a, item_b );
 }
 
-void lwi_note_tie_of_bodies( lwi_searching* s )
+void lwi_note_tie_of_bodies( lwi_ties* ties, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b )
 {
-	s->bound->ties->found = fronts_are_parallel( s, LW_INVALID_INDEX, LW_INVALID_INDEX );
+	ties->found = fronts_are_parallel( ties, a, b, a_from_b, LW_INVALID_INDEX, LW_INVALID_INDEX );
 }

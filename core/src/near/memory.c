@@ -42,12 +42,6 @@ static double sum_of( lw_vec3 v )
 	return fabs( v.x ) + fabs( v.y ) + fabs( v.z );
 }
 
-/// About how far b moved, for pairs of which no bound is needed.
-static double shift_of( const lw_transform* before, const lw_transform* now )
-{
-	return fabs( now->t[0] - before->t[0] ) + fabs( now->t[1] - before->t[1] ) + fabs( now->t[2] - before->t[2] );
-}
-
 /// Metres: no distance of a point of a and a point of b changed by more. NaN or infinite if nothing is known.
 static double motion_between( const lw_shape* a, const lw_shape* b, const lw_transform* before, const lw_transform* now )
 {
@@ -144,28 +138,25 @@ void lwi_near_open( lw_query* query )
 }
 
 /// The pair at the posed state.
-static near_pair meet( const lw_checker* checker, lw_query* query, const lwi_near_bodies* bodies )
+static near_pair meet( const lw_checker* checker, lw_query* query, const lwi_near_bodies* bodies, const lwi_near_place* at )
 {
 	const uint32_t stride = ( bodies->self ? checker->base->body_block_count : checker->scene->block_count ) * LWI_WIDTH;
 	const uint32_t key = bodies->a * stride + bodies->b + ( bodies->self ? OF_SELF : 0 );
-	const lwi_near_place at = lwi_near_place_of( checker, query, bodies );
-	near_pair p = { checker, query, bodies, at.a, at.b, &query->cache.near[( key * 2654435769u ) >> ( 32 - LWI_NEAR_BITS )],
-		stride, INFINITY, false };
-	const lw_transform a_from_b = lwi_relative( at.pose_a, at.pose_b );
+	near_pair p = { checker, query, bodies, at->a, at->b,
+		&query->cache.near[( key * 2654435769u ) >> ( 32 - LWI_NEAR_BITS )], stride, INFINITY, false };
+	const lw_transform a_from_b = lwi_relative( at->pose_a, at->pose_b );
 	lwi_near_memory* m = p.memory;
 	const bool seen = query->search.def.warm_start && m->bindings == query->pose.bindings && m->key == key;
 	if ( seen )
 	{
-		// a near pair of two pieces is measured whatever it moved
-		p.step = m->far || lwi_memory_pays( p.a, p.b ) ? motion_between( p.a, p.b, &m->a_from_b, &a_from_b ) : INFINITY;
+		p.step = motion_between( p.a, p.b, &m->a_from_b, &a_from_b );
 	}
 	else
 	{
 		*m = ( lwi_near_memory ){ .nearest = { .pair = LW_INVALID_INDEX }, .bindings = query->pose.bindings, .key = key };
 	}
 	// states that have little to do with each other leave no fronts
-	const double step = p.step < INFINITY ? p.step : shift_of( &m->a_from_b, &a_from_b );
-	p.follows = seen && MOTIONS_AHEAD * step < fmin( p.a->sphere_radius, p.b->sphere_radius );
+	p.follows = MOTIONS_AHEAD * p.step < fmin( p.a->sphere_radius, p.b->sphere_radius );
 	m->a_from_b = a_from_b;
 	m->moved += p.step;
 	if ( !( m->moved < MOST_MOVED ) )
@@ -217,7 +208,16 @@ static void search( near_pair* p, lwi_bound* bound )
 
 lw_clearance lwi_near_search( const lw_checker* checker, lw_query* query, const lwi_near_bodies* bodies, lwi_bound* bound )
 {
-	near_pair p = meet( checker, query, bodies );
+	const lwi_near_place at = lwi_near_place_of( checker, query, bodies );
+	if ( !lwi_memory_pays( at.a, at.b ) )
+	{
+		const lw_transform a_from_b = lwi_relative( at.pose_a, at.pose_b );
+		bound->margin = -bound->range.min_d;
+		bound->was_near = true; // their distance takes as long as that of their boxes
+		lwi_search( &query->search, at.a, at.b, &a_from_b, bound );
+		return lwi_bound_result( bound );
+	}
+	near_pair p = meet( checker, query, bodies, &at );
 	lwi_near_memory* m = p.memory;
 	if ( m->apart - m->moved >= bound->cutoff )
 	{

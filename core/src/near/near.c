@@ -108,6 +108,10 @@ static void sort_bucket( lw_near_pair* rows, uint32_t count )
 {
 	for ( uint32_t i = 1; count <= FEW && i < count; ++i )
 	{
+		if ( !is_before( &rows[i], &rows[i - 1] ) )
+		{
+			continue;
+		}
 		const lw_near_pair row = rows[i];
 		uint32_t at = i;
 		for ( ; at > 0 && is_before( &row, &rows[at - 1] ); --at )

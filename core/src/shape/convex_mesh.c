@@ -296,9 +296,34 @@ static double outside( const lwi_convex_mesh* mesh, uint32_t triangle, lw_vec3 p
 /// Of the size of the mesh: so near no other triangle is nearer, but for rounding.
 #define SURELY_ON 0x1p-50
 
+/// The first triangle at vertices u, v, w, of which some may be equal. LW_INVALID_INDEX: there is none.
+static uint32_t triangle_at( const lwi_convex_mesh* mesh, uint32_t u, uint32_t v, uint32_t w )
+{
+	for ( uint32_t i = mesh->first[u]; i < mesh->first[u + 1]; ++i )
+	{
+		const uint16_t* at = mesh->corners + 3 * (size_t)mesh->triangles[i];
+		const bool has_v = ( at[0] == v ) | ( at[1] == v ) | ( at[2] == v );
+		if ( has_v & ( ( at[0] == w ) | ( at[1] == w ) | ( at[2] == w ) ) )
+		{
+			return mesh->triangles[i];
+		}
+	}
+	return LW_INVALID_INDEX;
+}
+
 uint32_t lwi_convex_mesh_triangle( const lw_shape* shape, lw_vec3 point, uint32_t near )
 {
 	const lwi_convex_mesh* mesh = shape->convex;
+	if ( near >= LWI_CORNERS )
+	{
+		const uint32_t most = LWI_MOST_CONVEX_VERTICES - 1, u = near & most;
+		const uint32_t found = triangle_at( mesh, u, near >> 10 & most, near >> 20 & most );
+		if ( found != LW_INVALID_INDEX )
+		{
+			return found;
+		}
+		near = mesh->triangles[mesh->first[u]]; // a face of more than three corners
+	}
 	const double on = ON_TRIANGLE * mesh->reach, surely = SURELY_ON * mesh->reach;
 	const lw_vec3 place = lwi_sub( point, lwi_load( mesh->points ) );
 	uint32_t best = near;

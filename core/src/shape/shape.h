@@ -21,7 +21,7 @@ enum
 {
 	LWI_MAX_PARTS = 16,              ///< connected parts of a mesh that are known one by one
 	LWI_EXTREME_BLOCKS = 8,          ///< of the extreme points of a shape, at most
-	LWI_MOST_CONVEX_VERTICES = 1024, ///< of meshes that are searched as one convex body
+	LWI_MOST_CONVEX_VERTICES = 1024, ///< of meshes that are searched as one convex body: 10 bits number them
 	LWI_DENSE_MESH = 256 ///< triangles from which a mesh has pieces: searches of fewer take no longer than planes of pieces
 };
 
@@ -94,6 +94,9 @@ static inline lw_vec3 lwi_mesh_point( const lwi_convex_mesh* mesh, uint32_t i )
 	const lwi_corners8* block = mesh->about + i / LWI_WIDTH;
 	return lwi_v3( block->at[0][i % LWI_WIDTH], block->at[1][i % LWI_WIDTH], block->at[2][i % LWI_WIDTH] );
 }
+
+/// Vertices in place of a triangle: lwi_convex_mesh_triangle(). No triangle has such a number.
+#define LWI_CORNERS 0x80000000u
 
 /// The 27 cells of directions: in each coordinate well below, near or well above 0.
 static inline uint32_t lwi_direction_cell( lw_vec3 n )
@@ -276,7 +279,8 @@ void lwi_shape_free_extreme_points( lw_shape* shape ); ///< and its pieces
 lw_status lwi_shape_find_convexity( lw_shape* shape, lw_diag* diag );
 
 /// A triangle of a convex mesh that a point of its surface is on, to rounding. Cost: of the triangles around `near`, if it is on one
-/// of these, else O(triangles).
+/// of these, else O(triangles). @param near a triangle, or LWI_CORNERS and the three vertices that the point is between, equal ones
+/// included, from the lowest 10 bits up
 uint32_t lwi_convex_mesh_triangle( const lw_shape* shape, lw_vec3 point, uint32_t near );
 
 /// All steps, for a shape whose vertices, indices, radii and counts are set.
