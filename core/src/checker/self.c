@@ -371,8 +371,7 @@ static void measure_known( const lw_checker* checker, lw_query* query, lwi_bound
 	const uint32_t stride = checker->base->body_block_count * LWI_WIDTH, count = query->cache.known_count;
 	double gap[LWI_KNOWN_PAIRS];
 	query->cache.known_looked = 0;
-	const bool yes_or_no = !( bound->range.max_d > lw_range_threshold( bound->range.min_d ).max_d );
-	if ( query->pose.covered || !query->search.def.warm_start || yes_or_no )
+	if ( query->pose.covered || !query->search.def.warm_start || lwi_asks_yes_or_no( bound ) )
 	{
 		return;
 	}

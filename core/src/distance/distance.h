@@ -48,6 +48,12 @@ typedef struct lwi_bound
 
 void lwi_bound_init( lwi_bound* bound, const lw_range* range );
 
+/// True if nobody asks for a distance, only if it is above min_d.
+static inline bool lwi_asks_yes_or_no( const lwi_bound* bound )
+{
+	return !( bound->range.max_d > lw_range_threshold( bound->range.min_d ).max_d );
+}
+
 /// Before anything else but `lowest`: answers then hold wherever distances are off by up to rounding + stretch * distance.
 void lwi_bound_allow_rounding( lwi_bound* bound, double rounding, double stretch );
 

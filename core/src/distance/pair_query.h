@@ -410,7 +410,10 @@ void lwi_flush_batch( lwi_searching* s );
 /// Contact if one shape is a solid mesh and something of the other is inside it; runs after the search of the surfaces.
 void lwi_search_inside( lwi_searching* s );
 
-/// The same for one item that was inside before; LW_INVALID_INDEX on the side of the mesh.
+/// Contact, if nobody asks for more and a vertex of the mesh is inside of the box or cylinder that the other one is. Runs before the search.
+bool lwi_search_vertices( lwi_searching* s );
+
+/// lwi_search_inside() for one item that was inside before; LW_INVALID_INDEX on the side of the mesh.
 void lwi_measure_inside( lwi_searching* s, uint32_t item_a, uint32_t item_b );
 
 LW_EXTERN_C_END

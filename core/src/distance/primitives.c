@@ -4,6 +4,8 @@
 // If no point of the other shape is on the surface, each connected part of it is wholly inside or wholly outside: one point
 // of each tells. A point that is inside is contact, whatever the surfaces do. Shapes of many parts are descended: a sphere
 // that the surface does not enter is on one side with all that is in it. Proof: core/docs/solid_meshes.md.
+//
+// A question for contact alone is answered by a vertex of a mesh inside of a box or cylinder, before all searches.
 #include "distance/pair_query.h"
 #include "shape/closed_mesh.h"
 
@@ -215,4 +217,123 @@ void lwi_measure_inside( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 	{
 		test_item( &q, item );
 	}
+}
+
+// --- a vertex inside of a primitive ----------------------------------------------------------------------------------
+
+/// A box or cylinder made smaller by all roundings of a moved vertex. False: it is no such thing, or nothing is left of it.
+static bool inner_of( const lwi_searching* s, const lw_shape* solid, lwi_primitive* out )
+{
+	const int sizes = solid->type == LW_SHAPE_BOX ? 3 : solid->type == LW_SHAPE_CYLINDER ? 2 : 0;
+	double size[3];
+	lwi_sizes_of_primitive( solid, size );
+	out->type = solid->type;
+	for ( int i = 0; i < sizes; ++i )
+	{
+		if ( !( size[i] > s->slack ) )
+		{
+			return false;
+		}
+		out->size[i] = lwi_round_down( size[i] - s->slack );
+	}
+	return sizes > 0;
+}
+
+/// How far a point is outside of a box or cylinder, at most 0 inside.
+static double depth_at( const lwi_primitive* primitive, const float p[3] )
+{
+	const double x = fabs( p[0] ) - primitive->size[0], y = fabs( p[1] ) - primitive->size[1];
+	if ( primitive->type == LW_SHAPE_BOX )
+	{
+		return lwi_larger( lwi_larger( x, y ), fabs( p[2] ) - primitive->size[2] );
+	}
+	return lwi_larger( sqrt( (double)p[0] * p[0] + (double)p[1] * p[1] ) - primitive->size[0],
+		fabs( p[2] ) - primitive->size[1] );
+}
+
+/// The deepest of eight of a mesh's extreme points, some of which are inside. False: none of all is
+static bool find_inside( const lwi_searching* s, const lw_shape* mesh, const lwi_motion* motion, const lwi_primitive* inner,
+	float out[3] )
+{
+	uint32_t block = 0;
+	while ( block < mesh->extreme_blocks && !s->kernels->points_inside( &mesh->extreme_points[block], 1, motion, inner ) )
+	{
+		++block;
+	}
+	double deepest = INFINITY;
+	for ( uint32_t lane = 0; block < mesh->extreme_blocks && lane < LWI_WIDTH; ++lane )
+	{
+		const lwi_points8* points = &mesh->extreme_points[block];
+		const float p[3] = { points->at[0][lane], points->at[1][lane], points->at[2][lane] };
+		float moved[3];
+		lwi_move_center( motion, p, moved );
+		const double depth = depth_at( inner, moved );
+		if ( depth < deepest )
+		{
+			deepest = depth;
+			memcpy( out, p, sizeof( p ) );
+		}
+	}
+	return deepest < INFINITY;
+}
+
+/// The triangle that has a corner with exactly these numbers in its tree, and the corner as it was given. LW_INVALID_INDEX: none
+static uint32_t triangle_at( const lwi_searching* s, const lw_shape* mesh, const float at[3], lw_vec3* corner )
+{
+	const float sphere[4] = { at[0], at[1], at[2], 0 }, limit = lwi_round_up( s->slack );
+	float gap[LWI_WIDTH];
+	lwi_ref stack[( LWI_WIDTH - 1 ) * ( LWI_MAX_DEPTH + 1 ) + LWI_WIDTH];
+	uint32_t height = 1;
+	stack[0] = mesh->root;
+	while ( height > 0 )
+	{
+		const lwi_ref ref = stack[--height];
+		if ( !lwi_ref_is_leaf( ref ) )
+		{
+			const lwi_node* node = &mesh->nodes[ref];
+			uint32_t near = s->kernels->sphere_gap( node->x, sphere, limit, gap );
+			for ( ; near != 0; near &= near - 1 )
+			{
+				stack[height++] = node->child[lwi_lowest_bit( near )];
+			}
+			continue;
+		}
+		const lwi_leaf* leaf = &mesh->leaves[lwi_ref_index( ref )];
+		for ( uint32_t i = 0; i < 3 * lwi_ref_count( ref ); ++i )
+		{
+			const uint32_t lane = i / 3, k = i % 3;
+			if ( leaf->v[k][0][lane] == at[0] && leaf->v[k][1][lane] == at[1] && leaf->v[k][2][lane] == at[2] )
+			{
+				lw_vec3 corners[3];
+				lwi_load_corners( mesh, leaf->triangle[lane], corners );
+				*corner = corners[k];
+				return leaf->triangle[lane];
+			}
+		}
+	}
+	return LW_INVALID_INDEX;
+}
+
+bool lwi_search_vertices( lwi_searching* s )
+{
+	const bool solid_is_a = s->a->primitive;
+	const lw_shape *solid = solid_is_a ? s->a : s->b, *mesh = solid_is_a ? s->b : s->a;
+	lwi_primitive inner;
+	float at[3] = { 0, 0, 0 };
+	lw_vec3 corner;
+	if ( !lwi_asks_yes_or_no( s->bound ) || !s->memory->def.planes || mesh->family != LWI_TRIANGLES ||
+		 !inner_of( s, solid, &inner ) || !find_inside( s, mesh, &s->from_other[solid_is_a ? LWI_A : LWI_B], &inner, at ) )
+	{
+		return false;
+	}
+	const uint32_t item = triangle_at( s, mesh, at, &corner );
+	if ( item == LW_INVALID_INDEX )
+	{
+		return false;
+	}
+	const lw_vec3 p = solid_is_a ? lwi_transform( s->a_from_b, corner ) : corner;
+	s->memory->stats.exact_tests++;
+	lwi_offer_pieces( s->bound, 0, 0, 0, 0, p, p, solid_is_a ? LW_INVALID_INDEX : item,
+		solid_is_a ? item : LW_INVALID_INDEX );
+	return true;
 }
