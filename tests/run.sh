@@ -61,7 +61,7 @@ stage()
 	fi
 }
 
-# later NAME COMMAND...: in the background, beside what needs processors more than the network; `collect NAME` is its stage.
+# later NAME COMMAND...: in the background, since downloads leave the processors idle; `collect NAME` is its stage.
 declare -A later_pids
 later()
 {
@@ -71,7 +71,7 @@ later()
 	later_pids[$name]=$!
 }
 
-# collect NAME: the output and the status of what began with `later NAME`
+# collect NAME: the output and the status of `later NAME`
 collect()
 {
 	local status=0

@@ -10,7 +10,7 @@ reads all names in backticks of the Markdown pages and looks each up in the othe
 * tests (`Suite.Name`; `Suite.Nam..` for the beginning of a name, `.Nam..` for one of the suite named before);
 * paths, from the root, from the page, or the end of a path.
 
-History is left out: the changelog may name what was removed. Names of other projects stand in ELSEWHERE.
+History is left out: the changelog may name things that were removed. Names of other projects stand in ELSEWHERE.
 
     identifiers.py [--root FOLDER]      lists the names that are nowhere; exit status 1 if there are any
 """

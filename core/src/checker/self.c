@@ -223,22 +223,21 @@ typedef struct probe
 } probe;
 
 /// @param margin the largest of the pairs under test
-static probe make_probe( const lw_checker* checker, lw_query* query, uint32_t cluster, const double sphere[4], double margin,
-	const lwi_bound* bound )
+static void make_probe( const lw_checker* checker, lw_query* query, uint32_t cluster, const double sphere[4], double margin,
+	const lwi_bound* bound, probe* out )
 {
 	const double* r = lwi_sphere( checker, query, 2 * cluster );
-	probe p = { .blocks = lwi_blocks( checker, query, cluster ) };
+	out->blocks = lwi_blocks( checker, query, cluster );
 	double largest = 0;
 	for ( int axis = 0; axis < 3; ++axis )
 	{
 		double relative = sphere[axis] - r[axis];
-		p.sphere[axis] = (float)relative;
+		out->sphere[axis] = (float)relative;
 		largest = fabs( relative ) > largest ? fabs( relative ) : largest;
 	}
-	p.sphere[3] = above( sphere[3] );
-	p.slack = lwi_gap_slack( 2 * ( largest + sphere[3] + r[3] ) ); // as for all pairs
-	p.limit = above( bound->cutoff + margin + p.slack );
-	return p;
+	out->sphere[3] = above( sphere[3] );
+	out->slack = lwi_gap_slack( 2 * ( largest + sphere[3] + r[3] ) ); // as for all pairs
+	out->limit = above( bound->cutoff + margin + out->slack );
 }
 
 /// Lanes of a block of a cluster's bodies from number `first` on that are near a sphere. Where the sphere's numbers
@@ -290,7 +289,8 @@ static void open_body( const lw_checker* checker, lw_query* query, const lwi_clu
 		lwi_transform( &query->pose.world_from_link[tree->clusters[mine].root_link], lwi_load( local->center ) );
 	double rounding = lwi_sphere( checker, query, 2 * mine )[3] - tree->clusters[mine].r.radius;
 	const double sphere[4] = { center.x, center.y, center.z, local->radius + rounding };
-	probe p = make_probe( checker, query, other, sphere, pair->margin, bound );
+	probe p;
+	make_probe( checker, query, other, sphere, pair->margin, bound, &p );
 	for ( uint32_t i = 0; i < tree->clusters[other].body_count; i += LWI_WIDTH )
 	{
 		float gap[LWI_WIDTH];
@@ -312,7 +312,8 @@ static void open_pair( const lw_checker* checker, lw_query* query, const lwi_clu
 	const lwi_cluster_tree* tree = checker->base->tree;
 	bool a_first = tree->clusters[pair->cluster_a].body_count >= tree->clusters[pair->cluster_b].body_count;
 	uint32_t many = a_first ? pair->cluster_a : pair->cluster_b, few = a_first ? pair->cluster_b : pair->cluster_a;
-	probe outer = make_probe( checker, query, many, lwi_sphere( checker, query, 2 * few ), pair->margin, bound );
+	probe outer;
+	make_probe( checker, query, many, lwi_sphere( checker, query, 2 * few ), pair->margin, bound, &outer );
 	for ( uint32_t i = 0; i < tree->clusters[many].body_count; i += LWI_WIDTH )
 	{
 		float gap[LWI_WIDTH];

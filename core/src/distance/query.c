@@ -5,20 +5,6 @@
 /// Largest entry of |r r^T - 1| of a rotation that is taken as it is: products of rounded sines and cosines.
 #define ALREADY_ORTHONORMAL ( 8.0 * LWI_U64 )
 
-static lwi_motion motion_of( const lw_transform* m )
-{
-	lwi_motion out;
-	for ( int i = 0; i < 3; ++i )
-	{
-		for ( int j = 0; j < 3; ++j )
-		{
-			out.r[3 * i + j] = (float)m->r[i][j];
-		}
-		out.t[i] = (float)m->t[i];
-	}
-	return out;
-}
-
 /// Of measurements in double. The values for trees are not written, since pairs of primitives have none.
 static lwi_searching search_begin( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b,
 	const lw_transform* a_from_b, lwi_bound* bound )
@@ -43,25 +29,20 @@ static void place_trees( lwi_searching* s )
 {
 	s->trees = true;
 	s->guess_gap = 0;
-	lw_transform tree = *s->a_from_b;
-	const lw_vec3 origin_b = lwi_transform( s->a_from_b, lwi_load( s->b->origin ) );
-	tree.t[0] = origin_b.x - s->a->origin[0];
-	tree.t[1] = origin_b.y - s->a->origin[1];
-	tree.t[2] = origin_b.z - s->a->origin[2];
-	lw_transform inverse;
+	const lw_transform* m = s->a_from_b;
+	const lw_vec3 t = lwi_sub( lwi_transform( m, lwi_load( s->b->origin ) ), lwi_load( s->a->origin ) );
+	lwi_motion *to_a = &s->from_other[LWI_A], *to_b = &s->from_other[LWI_B];
 	for ( int i = 0; i < 3; ++i )
 	{
 		for ( int j = 0; j < 3; ++j )
 		{
-			inverse.r[i][j] = tree.r[j][i];
+			to_a->r[3 * i + j] = to_b->r[3 * j + i] = (float)m->r[i][j];
 		}
-		inverse.t[i] = -( tree.r[0][i] * tree.t[0] + tree.r[1][i] * tree.t[1] + tree.r[2][i] * tree.t[2] );
 	}
-	s->from_other[LWI_A] = motion_of( &tree );
-	s->from_other[LWI_B] = motion_of( &inverse );
+	lwi_set_floats( t, to_a->t );
+	lwi_set_floats( lwi_scale( -1, lwi_unrotate( m, t ) ), to_b->t );
 	// moving the origins themselves rounds too: by doubles, of the coordinates of origins and poses
-	s->slack =
-		lwi_gap_slack( lwi_length( lwi_load( tree.t ) ) + 2 * ( lwi_extent_of( s->a ) + lwi_extent_of( s->b ) ) ) + s->error;
+	s->slack = lwi_gap_slack( lwi_length( t ) + 2 * ( lwi_extent_of( s->a ) + lwi_extent_of( s->b ) ) ) + s->error;
 	const bool filled = lwi_is_filled( s->bound, s->a ) || lwi_is_filled( s->bound, s->b );
 	s->least = filled ? s->error + s->radii - s->bound->margin : -INFINITY;
 	lwi_update_limit( s );

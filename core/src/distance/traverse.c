@@ -9,36 +9,38 @@
 
 // --- tree against tree -----------------------------------------------------------------------------------------------
 
-/// The box around a subtree, its centre and axes moved; of a root only its sphere.
-static lwi_obb obb_of( const lw_shape* shape, uint32_t place, const lwi_motion* motion, const float sphere[4] )
+/// The box around a subtree, its centre and axes moved; of a root only its sphere. Filled in place, and of a root from numbers that are in
+/// memory: to copy a structure that was just written in parts takes longer than the test that it is for.
+static void obb_of( const lw_shape* shape, uint32_t place, const lwi_motion* motion, const float sphere[4], lwi_obb* out )
 {
-	lwi_obb out = { .center = { sphere[0], sphere[1], sphere[2] }, .radius = sphere[3] };
-	float r = sphere[3];
+	static const float own[3][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
+	memcpy( out->center, sphere, 3 * sizeof( float ) );
+	out->radius = sphere[3];
 	if ( place == LW_INVALID_INDEX )
 	{
-		const lwi_obb cube = { .axis = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } },
-			.low = { -r, -r, -r },
-			.high = { r, r, r } };
-		memcpy( out.axis, cube.axis, sizeof( out.axis ) );
-		memcpy( out.low, cube.low, sizeof( out.low ) );
-		memcpy( out.high, cube.high, sizeof( out.high ) );
-		return out;
+		memcpy( out->axis, own, sizeof( own ) );
+		for ( int i = 0; i < 3; ++i )
+		{
+			out->low[i] = -sphere[3];
+			out->high[i] = sphere[3];
+		}
+		return;
 	}
 	const lwi_obb8* obbs = &shape->obbs[place / LWI_WIDTH];
 	uint32_t lane = place % LWI_WIDTH;
 	for ( int i = 0; i < 3; ++i )
 	{
 		const float* row = motion->r + 3 * i;
-		out.axis[0][i] = row[0] * obbs->n[0][lane] + row[1] * obbs->n[1][lane] + row[2] * obbs->n[2][lane];
-		out.axis[1][i] = row[0] * obbs->t[0][lane] + row[1] * obbs->t[1][lane] + row[2] * obbs->t[2][lane];
-		out.low[i] = obbs->low[i][lane];
-		out.high[i] = obbs->high[i][lane];
+		out->axis[0][i] = row[0] * obbs->n[0][lane] + row[1] * obbs->n[1][lane] + row[2] * obbs->n[2][lane];
+		out->axis[1][i] = row[0] * obbs->t[0][lane] + row[1] * obbs->t[1][lane] + row[2] * obbs->t[2][lane];
+		out->low[i] = obbs->low[i][lane];
+		out->high[i] = obbs->high[i][lane];
 	}
-	lwi_third_axis( out.axis[0], out.axis[1], out.axis[2] );
-	return out;
+	lwi_third_axis( out->axis[0], out->axis[1], out->axis[2] );
 }
 
 /// Replaces one side by its children, or some of them; the nearest ends on top of the stack. Returns the new stack height.
+/// @param e may be the entry at `height`, which was taken from the stack
 static inline uint32_t open_side( lwi_searching* s, lwi_entry* e, int side, uint32_t lanes_to_open, uint32_t height )
 {
 	const lw_shape* shape = lwi_shape_of( s, side );
@@ -57,7 +59,8 @@ static inline uint32_t open_side( lwi_searching* s, lwi_entry* e, int side, uint
 	if ( mask != 0 && s->obbs )
 	{
 		const uint32_t left = mask;
-		lwi_obb other = obb_of( lwi_shape_of( s, 1 - side ), e->side[1 - side].obb, &s->from_other[side], sphere );
+		lwi_obb other;
+		obb_of( lwi_shape_of( s, 1 - side ), e->side[1 - side].obb, &s->from_other[side], sphere, &other );
 		const float* d = s->direction[side];
 		const float sign = side == LWI_A ? 1.0f : -1.0f, along[3] = { sign * d[0], sign * d[1], sign * d[2] };
 		mask &= s->kernels->obb_gap( node, &shape->obbs[ref], &other, s->has_direction ? along : NULL, s->limit, gap );
@@ -68,19 +71,25 @@ static inline uint32_t open_side( lwi_searching* s, lwi_entry* e, int side, uint
 	}
 	uint32_t lanes[LWI_WIDTH];
 	uint32_t count = lwi_sorted_lanes( gap, mask, lanes );
-	for ( uint32_t i = count; i-- > 0; )
+	lwi_entry* stack = &s->memory->stack[height];
+	for ( uint32_t i = 0; i < count; ++i ) // the farthest last: its place may be that of the entry
 	{
-		uint32_t lane = lanes[i];
-		lwi_entry* child = &s->memory->stack[height++];
-		*child = *e;
+		const uint32_t lane = lanes[i];
+		lwi_entry* child = stack + ( count - 1 - i );
+		if ( child != e )
+		{
+			*child = *e;
+		}
 		child->gap = gap[lane];
 		child->part = part;
-		child->side[side] = ( lwi_subtree ){ .ref = node->child[lane],
-			.obb = ref * LWI_WIDTH + lane,
-			.center = { node->x[lane], node->y[lane], node->z[lane] },
-			.radius = node->r[lane] };
+		child->side[side].ref = node->child[lane];
+		child->side[side].obb = ref * LWI_WIDTH + lane;
+		child->side[side].center[0] = node->x[lane];
+		child->side[side].center[1] = node->y[lane];
+		child->side[side].center[2] = node->z[lane];
+		child->side[side].radius = node->r[lane];
 	}
-	return height;
+	return height + count;
 }
 
 /// Sphere of the inner side against the real items of the leaf side: far tighter than the leaf's own sphere where triangles
@@ -251,20 +260,20 @@ static walk_end walk_entries( lwi_searching* s, lwi_walk* walk, bool look )
 		{
 			return WALK_LOOKED;
 		}
-		lwi_entry e = memory->stack[--walk->height];
-		if ( e.gap >= s->limit )
+		lwi_entry* e = &memory->stack[--walk->height]; // in its place: a copy would wait for what wrote it
+		if ( e->gap >= s->limit )
 		{
 			if ( s->front != NULL )
 			{
-				drop_entry( s->front, &e );
+				drop_entry( s->front, e );
 			}
 			continue;
 		}
-		const lwi_subtree *a = &e.side[LWI_A], *b = &e.side[LWI_B];
+		const lwi_subtree *a = &e->side[LWI_A], *b = &e->side[LWI_B];
 		bool leaf_a = lwi_ref_is_leaf( a->ref ), leaf_b = lwi_ref_is_leaf( b->ref );
 		if ( leaf_a && leaf_b )
 		{
-			if ( meet_leaves( s, &e, walk ) )
+			if ( meet_leaves( s, e, walk ) )
 			{
 				memory->batch.count = 0; // none of the pairs that wait can be below the limit
 				return WALK_RULED_OUT;
@@ -273,12 +282,12 @@ static walk_end walk_entries( lwi_searching* s, lwi_walk* walk, bool look )
 		}
 		// a leaf much larger than the node it faces is a poor sphere: test its triangles first
 		if ( leaf_a != leaf_b && ( leaf_a ? 2 * a->radius > b->radius : 2 * b->radius > a->radius ) &&
-			 leaf_side_rules_out( s, &e ) )
+			 leaf_side_rules_out( s, e ) )
 		{
 			continue;
 		}
 		const int side = !leaf_b && ( leaf_a || b->radius >= a->radius ) ? LWI_B : LWI_A;
-		walk->height = open_side( s, &e, side, LWI_FRONT_LANES, walk->height );
+		walk->height = open_side( s, e, side, LWI_FRONT_LANES, walk->height );
 	}
 	return WALK_ENDED;
 }
