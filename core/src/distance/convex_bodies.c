@@ -59,20 +59,8 @@ static double dilation_of( const lw_shape* shape )
 /// A bounded primitive, a convex mesh, or a mesh or set of one item, in place. Returns its reference point.
 static lw_vec3 piece_of( const lw_shape* shape, lwi_support_map* out )
 {
-	if ( shape->family == LWI_CONVEX )
-	{
-		double size[3];
-		lwi_sizes_of_primitive( shape, size );
-		lwi_piece_of_primitive( lwi_type_of_primitive( shape ), size, out );
-		return lwi_v3( 0, 0, 0 );
-	}
-	if ( shape->convex != NULL )
-	{
-		return lwi_piece_of_mesh( shape->convex, shape->vertex_count, out );
-	}
-	lw_vec3 corners[3];
-	lwi_load_corners( shape, 0, corners );
-	return lwi_piece_of_triangle( corners, out );
+	return shape->convex != NULL ? lwi_piece_of_mesh( shape->convex, shape->vertex_count, out )
+								 : lwi_piece_of_item( shape, 0, out );
 }
 
 static bool is_body( const lw_shape* shape )

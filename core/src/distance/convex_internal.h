@@ -74,6 +74,9 @@ static inline void lwi_piece_of_primitive( lwi_convex_type type, const double si
 	out->last = 0;
 }
 
+/// A bounded primitive, or an item of another shape, as a piece. Returns its reference point.
+lw_vec3 lwi_piece_of_item( const lw_shape* shape, uint32_t item, lwi_support_map* out );
+
 /// lwi_convex_distance() of a pair. @param origin_a as lwi_convex_pair() returned it
 /// @param enough metres: an interval above 0 no wider than this will do
 lwi_convex_result lwi_pair_distance( lwi_pair* pair, lw_vec3 origin_a, double enough, double stop_above, double stop_below );

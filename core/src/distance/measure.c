@@ -92,42 +92,12 @@ static void measure_triangles( lwi_searching* s, uint32_t item_a, uint32_t item_
 	}
 }
 
-/// An item as a convex piece; *center is the origin of the piece's frame.
-static lwi_convex convex_of_item( const lw_shape* shape, uint32_t item, lw_vec3* center )
-{
-	*center = lwi_v3( 0, 0, 0 );
-	if ( shape->primitive )
-	{
-		return lwi_convex_of_primitive( shape );
-	}
-	lwi_convex convex = { .type = LWI_CONVEX_TRIANGLE };
-	if ( shape->family != LWI_BOXES )
-	{
-		lwi_load_corners( shape, item, convex.vertex );
-		return convex;
-	}
-	convex.type = LWI_CONVEX_BOX;
-	const double* low = shape->vertices + 6 * (size_t)item;
-	double middle[3];
-	for ( int i = 0; i < 3; ++i )
-	{
-		convex.size[i] = 0.5 * ( low[3 + i] - low[i] );
-		middle[i] = low[i] + convex.size[i];
-	}
-	*center = lwi_load( middle );
-	return convex;
-}
-
 static void measure_convex( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 {
-	lw_vec3 center_a, center_b;
-	lwi_convex a = convex_of_item( s->a, item_a, &center_a );
-	lwi_convex b = convex_of_item( s->b, item_b, &center_b );
-	lw_transform place = *s->a_from_b;
-	lw_vec3 shift = lwi_sub( lwi_rotate( &place, center_b ), center_a );
-	place.t[0] += shift.x;
-	place.t[1] += shift.y;
-	place.t[2] += shift.z;
+	lwi_pair pair;
+	const lw_vec3 origin_a = lwi_piece_of_item( s->a, item_a, &pair.a ),
+				  origin_b = lwi_piece_of_item( s->b, item_b, &pair.b );
+	lwi_pair_place( &pair, s->a_from_b, origin_a, origin_b );
 	double radii = ( s->a->primitive ? 0 : lwi_item_radius( s->a, item_a ) ) +
 				   ( s->b->primitive ? 0 : lwi_item_radius( s->b, item_b ) );
 	radii += s->bound->margin;
@@ -135,9 +105,8 @@ static void measure_convex( lwi_searching* s, uint32_t item_a, uint32_t item_b )
 	double stop_below = ( s->bound->range.min_d + radii ) * ( 1 - 8 * LWI_U64 );
 	// a distance is far enough to stop if it is at least cutoff after subtracting the error
 	double stop_above = s->bound->cutoff + radii + 2 * s->error + ( s->front != NULL ? s->front->ahead : 0 );
-	lwi_convex_result r = lwi_convex_distance( &a, &b, &place, stop_above, stop_below );
-	lwi_offer_items( s, r.lower - s->error, r.upper, lwi_add( r.point_a, center_a ), lwi_add( r.point_b, center_a ), item_a,
-		item_b );
+	const lwi_convex_result r = lwi_pair_distance( &pair, origin_a, 0, stop_above, stop_below );
+	lwi_offer_items( s, r.lower - s->error, r.upper, r.point_a, r.point_b, item_a, item_b );
 	if ( r.at_corner && s->a->primitive != s->b->primitive ) // of sets of boxes each item has other nearest corners
 	{
 		lwi_shared_corner_find( s, item_a, item_b, r.upper, r.point_a, r.point_b );

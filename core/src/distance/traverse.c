@@ -542,17 +542,17 @@ static bool walk_primitive( primitive_walk* w )
 	lwi_searching* s = w->s;
 	while ( w->height > w->bottom && !s->bound->done )
 	{
-		const lwi_entry e = s->memory->stack[--w->height];
-		if ( !( e.gap >= s->limit ) )
+		const lwi_entry* e = &s->memory->stack[--w->height]; // its children take its place when it has been read
+		if ( !( e->gap >= s->limit ) )
 		{
-			if ( !open_subtree( w, &e, LWI_FRONT_LANES ) )
+			if ( !open_subtree( w, e, LWI_FRONT_LANES ) )
 			{
 				return false;
 			}
 		}
 		else if ( s->front != NULL )
 		{
-			drop_entry( s->front, &e );
+			drop_entry( s->front, e );
 		}
 	}
 	return true;
