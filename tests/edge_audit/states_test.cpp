@@ -8,6 +8,7 @@
 #include "simple_shapes.hpp"
 
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace
@@ -283,6 +284,31 @@ TEST( States, LinkInsideOfASolidObstacleIsFree )
 		const Slider inside( cube( 0.1, false ), primitive( type, 2, 2, 2 ), shifted( 0 ) );
 		EXPECT_EQ( LW_VERDICT_BLOCKED, inside.look( 0 ) );
 	}
+}
+
+/// All its vertices are at the height of its middle, which is none of them.
+TEST( States, HoleOfAFlatRingIsContact )
+{
+	constexpr std::uint32_t SIDES = 1200; // more vertices than are searched without the tree
+	std::vector<double> vertices;
+	std::vector<std::uint32_t> indices;
+	for ( std::uint32_t i = 0; i < SIDES; ++i )
+	{
+		const double angle = 2 * std::acos( -1.0 ) * i / SIDES, y = std::cos( angle ), z = std::sin( angle );
+		vertices.insert( vertices.end(), { 0, 0.9 * y, 0.9 * z, 0, y, z } );
+		const std::uint32_t in = 2 * i, next = 2 * ( ( i + 1 ) % SIDES );
+		indices.insert( indices.end(), { in, in + 1, next, in + 1, next + 1, next } );
+	}
+	const Slider slider( meshOf( vertices, indices ), primitive( LW_SHAPE_BOX, 0.2, 1.2, 1.2 ), shifted( 0 ) );
+	EXPECT_NE( LW_VERDICT_BLOCKED, slider.look( 0 ) );
+}
+
+TEST( States, VertexOfNoTriangleIsContact )
+{
+	const Slider slider( meshOf( { 0, 0, 0, 0, 0.1, 0, 0, 0, 0.1, 3, 0, 0 }, { 0, 1, 2 } ),
+	    primitive( LW_SHAPE_BOX, 0.2, 0.2, 0.2 ), shifted( 3 ) );
+	EXPECT_EQ( LW_VERDICT_FREE, slider.look( 0 ) );
+	EXPECT_EQ( LW_VERDICT_BLOCKED, slider.look( 3 ) );
 }
 
 TEST( States, BadStatesReadAsFree )

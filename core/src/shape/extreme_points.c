@@ -85,6 +85,13 @@ static uint32_t find_points( const lw_shape* shape, const lwi_points8* vertices,
 	const uint32_t blocks = blocks_of( shape->vertex_count );
 	float point[3];
 	memcpy( point, shape->root_sphere, sizeof( point ) );
+	if ( shape->vertices != NULL ) // the middle of a flat shape is as far as all its vertices, and need not be on it
+	{
+		const double* v = shape->vertices + ( shape->indices != NULL ? 3 * (size_t)shape->indices[0] : 0 );
+		point[0] = (float)( v[0] - shape->origin[0] );
+		point[1] = (float)( v[1] - shape->origin[1] );
+		point[2] = (float)( v[2] - shape->origin[2] );
+	}
 	const uint32_t directions = coarse ? AXES + SPIRAL : AXES + SPIRAL + TILTS;
 	uint32_t count = 0;
 	for ( uint32_t i = 0; i < directions && count < POINTS; i += coarse && i >= AXES ? 2 : 1 )
