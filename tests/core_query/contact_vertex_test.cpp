@@ -45,18 +45,6 @@ double distanceTo( const ShapePtr& shape, const lw_transform& pose, lw_vec3 poin
 	return out.upper;
 }
 
-ShapePtr triangleOf( const ShapePtr& mesh, std::uint32_t index )
-{
-	const std::uint32_t* corners = lw_shape_triangles( mesh.get() ) + 3 * static_cast<std::size_t>( index );
-	std::vector<double> vertices;
-	for ( int k = 0; k < 3; ++k )
-	{
-		const double* v = lw_shape_vertices( mesh.get() ) + 3 * static_cast<std::size_t>( corners[k] );
-		vertices.insert( vertices.end(), v, v + 3 );
-	}
-	return makeMesh( vertices, { 0, 1, 2 } );
-}
-
 /// Answers of a pair agree, and the witness of a contact is on the triangle that is named and in the solid.
 void check( const Pair& pair, bool mesh_first, double min_d, const QueryPtr& query )
 {

@@ -284,14 +284,7 @@ void expectNamed(
     const ShapePtr& mesh, const lw_transform& pose, std::uint32_t triangle, lw_vec3 witness, const QueryPtr& query )
 {
 	ASSERT_LT( triangle, lw_shape_get_info( mesh.get() ).triangle_count );
-	const std::uint32_t* corners = lw_shape_triangles( mesh.get() ) + 3 * triangle;
-	std::vector<double> vertices;
-	for ( int k = 0; k < 3; ++k )
-	{
-		const double* v = lw_shape_vertices( mesh.get() ) + 3 * corners[k];
-		vertices.insert( vertices.end(), v, v + 3 );
-	}
-	const ShapePtr alone = makeMesh( vertices, { 0, 1, 2 } ), point = makePrimitive( LW_SHAPE_SPHERE, 1e-9 );
+	const ShapePtr alone = triangleOf( mesh, triangle ), point = makePrimitive( LW_SHAPE_SPHERE, 1e-9 );
 	EXPECT_LT( distanceOf( alone.get(), pose, point.get(), at( witness.x, witness.y, witness.z ), query ).upper, 1e-7 );
 }
 

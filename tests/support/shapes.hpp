@@ -42,6 +42,19 @@ inline ShapePtr makeMesh(
 	return ShapePtr( shape );
 }
 
+/// A triangle of a mesh, alone.
+inline ShapePtr triangleOf( const ShapePtr& mesh, std::uint32_t index )
+{
+	const std::uint32_t* corners = lw_shape_triangles( mesh.get() ) + 3 * static_cast<std::size_t>( index );
+	std::vector<double> vertices;
+	for ( int k = 0; k < 3; ++k )
+	{
+		const double* v = lw_shape_vertices( mesh.get() ) + 3 * static_cast<std::size_t>( corners[k] );
+		vertices.insert( vertices.end(), v, v + 3 );
+	}
+	return makeMesh( vertices, { 0, 1, 2 } );
+}
+
 inline ShapePtr makePrimitive( lw_shape_type type, double x, double y = 0, double z = 0 )
 {
 	const double dimensions[3] = { x, y, z };

@@ -60,6 +60,11 @@ static inline double lwi_length( lw_vec3 a )
 {
 	return sqrt( lwi_dot( a, a ) );
 }
+/// The sum of the sizes of the coordinates: at least the length, without a root.
+static inline double lwi_norm1( lw_vec3 v )
+{
+	return fabs( v.x ) + fabs( v.y ) + fabs( v.z );
+}
 static inline double lwi_distance( lw_vec3 a, lw_vec3 b )
 {
 	return lwi_length( lwi_sub( a, b ) );

@@ -89,12 +89,6 @@ static lw_vec3 place_precisely( const lw_transform* m, lw_vec3 p, lw_vec3 q )
 	return lwi_v3( out[0], out[1], out[2] );
 }
 
-/// At least the length of a vector, without a root.
-static double sum_of( lw_vec3 v )
-{
-	return fabs( v.x ) + fabs( v.y ) + fabs( v.z );
-}
-
 /// Offset from a's reference point to b's. The plain sum is wrong by up to 8 u of the magnitudes in it, so it is used only
 /// where these are at most twice the extent of the pair.
 static lw_vec3 reference_offset( const lw_transform* a_from_b, lw_vec3 origin_a, lw_vec3 origin_b, double radii )
@@ -103,7 +97,7 @@ static lw_vec3 reference_offset( const lw_transform* a_from_b, lw_vec3 origin_a,
 	lw_vec3 p = lwi_rotate( a_from_b, origin_b );
 	lw_vec3 d = lwi_sub( lwi_add( p, t ), origin_a );
 	const double most = 2.0 * ( lwi_length( d ) + radii );
-	const bool small = sum_of( p ) + sum_of( t ) + sum_of( origin_a ) <= most ||
+	const bool small = lwi_norm1( p ) + lwi_norm1( t ) + lwi_norm1( origin_a ) <= most ||
 					   lwi_length( p ) + lwi_length( t ) + lwi_length( origin_a ) <= most;
 	return small ? d : place_precisely( a_from_b, origin_b, origin_a );
 }
@@ -497,6 +491,10 @@ void lwi_pair_place( lwi_pair* pair, const lw_transform* a_from_b, lw_vec3 origi
 /// LWI_CORNERS and the vertices of a mesh that a point of the simplex is between. LW_INVALID_INDEX: more than three, or no mesh.
 static uint32_t corners_of( const lwi_support_map* piece, const uint32_t* vertex, int count )
 {
+	if ( !is_mesh( piece ) || count == 0 )
+	{
+		return LW_INVALID_INDEX;
+	}
 	const uint32_t u = vertex[0];
 	uint32_t v = u, w = u;
 	for ( int i = 1; i < count; ++i )
@@ -513,7 +511,7 @@ static uint32_t corners_of( const lwi_support_map* piece, const uint32_t* vertex
 		w = v == u ? w : next;
 		v = v == u ? next : v;
 	}
-	return is_mesh( piece ) && count > 0 ? LWI_CORNERS | u | v << 10 | w << 20 : LW_INVALID_INDEX;
+	return LWI_CORNERS | u | v << 10 | w << 20;
 }
 
 lw_vec3 lwi_convex_pair( const lwi_convex* a, const lwi_convex* b, const lw_transform* a_from_b, lwi_pair* pair )

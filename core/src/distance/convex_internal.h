@@ -130,16 +130,10 @@ static inline lw_vec3 lwi_points_support( const lwi_support_map* piece, lw_vec3 
 /// Vertices of meshes from which climbing takes less than looking at all.
 #define LWI_CLIMB_FROM 100u
 
-/// A vertex of a mesh that is farthest along n, which becomes `last`: of a large mesh one at which no neighbour is farther, so the farthest one but
-/// for rounding. Cost: of a few vertices.
+/// A vertex of a large mesh at which no neighbour is farther along n, so the farthest one but for rounding; it becomes `last`. Cost: of a few vertices.
 static inline lw_vec3 lwi_mesh_climb( lwi_support_map* piece, lw_vec3 n )
 {
 	const lwi_convex_mesh* mesh = piece->mesh;
-	if ( piece->point_count < LWI_CLIMB_FROM )
-	{
-		piece->last = lwi_mesh_farthest( mesh, n );
-		return lwi_mesh_point( mesh, piece->last );
-	}
 	const uint32_t start = mesh->start[lwi_direction_cell( n )];
 	lw_vec3 best = lwi_mesh_point( mesh, piece->last );
 	const lw_vec3 other = lwi_mesh_point( mesh, start );

@@ -147,7 +147,10 @@ static void search_pair( lwi_search_memory* memory, const lw_shape* a, const lw_
 	begin_front( &s );
 	if ( a->primitive || b->primitive )
 	{
-		lwi_search_vertices( &s ) ? (void)0 : lwi_search_primitive( &s );
+		if ( !lwi_search_vertices( &s ) )
+		{
+			lwi_search_primitive( &s );
+		}
 	}
 	else if ( s.front != NULL && s.front->old_count > 0 )
 	{

@@ -36,12 +36,6 @@ static double sphere_motion( lw_vec3 center_moved, double turn, double radius )
 	return lwi_length( center_moved ) + turn * radius;
 }
 
-/// At least the length of a vector, without a root.
-static double sum_of( lw_vec3 v )
-{
-	return fabs( v.x ) + fabs( v.y ) + fabs( v.z );
-}
-
 /// Metres: no distance of a point of a and a point of b changed by more. NaN or infinite if nothing is known.
 static double motion_between( const lw_shape* a, const lw_shape* b, const lw_transform* before, const lw_transform* now )
 {
@@ -65,7 +59,7 @@ static double motion_between( const lw_shape* a, const lw_shape* b, const lw_tra
 	const double by_a = sphere_motion( a_moved, turn, a->sphere_radius ),
 				 by_b = sphere_motion( b_moved, turn, b->sphere_radius );
 	const double size =
-		sum_of( center_a ) + sum_of( center_b ) + sum_of( lwi_load( now->t ) ) + sum_of( lwi_load( before->t ) );
+		lwi_norm1( center_a ) + lwi_norm1( center_b ) + lwi_norm1( lwi_load( now->t ) ) + lwi_norm1( lwi_load( before->t ) );
 	return ( by_a < by_b ? by_a : by_b ) * ( 1 + MOTION_ROUNDING ) + MOTION_ROUNDING * size;
 }
 
