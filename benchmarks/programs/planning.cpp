@@ -231,29 +231,34 @@ private:
 			++result.tallies[w].problems;
 			result.tallies[w].refused += !ways[w]->usable();
 		}
-		// the first run of each way warms memory and caches and is not counted; the auditor, which would cool them, waits for the last run
-		std::vector<Planned> plans;
-		for ( int run = 0; run <= m_settings.runs; ++run )
+		std::vector<std::vector<Planned>> plans;
+		for ( const std::unique_ptr<Way>& way : ways )
 		{
-			for ( const std::unique_ptr<Way>& way : ways )
-			{
-				Planned plan;
-				if ( way->usable() )
-				{
-					plan = way->run( m_settings.seconds, seedOf( m_settings, world.name, run ) );
-				}
-				plans.push_back( std::move( plan ) );
-			}
+			plans.push_back( runsOf( *way, world.name ) );
 		}
 		EdgeAuditor auditor( world.robot.get(), world.scene.get(), world.variables, world.reference.data(), world.allowed );
-		for ( std::size_t i = ways.size(); i < plans.size(); ++i )
+		for ( int run = 1; run <= m_settings.runs; ++run )
 		{
-			const std::size_t w = i % ways.size();
-			PlanRun out =
-			    audited( plans[i], world, auditor, static_cast<int>( i / ways.size() ), result.tallies[w], m_ways[w].name );
-			out.problem = number;
-			addRun( out, world.name, result.tallies[w] );
+			for ( std::size_t w = 0; w < ways.size(); ++w )
+			{
+				PlanRun out = audited(
+				    plans[w][static_cast<std::size_t>( run )], world, auditor, run, result.tallies[w], m_ways[w].name );
+				out.problem = number;
+				addRun( out, world.name, result.tallies[w] );
+			}
 		}
+	}
+
+	/// All runs of a problem, one after another as in a program with one planner: what another one writes, 12 MB a run for VAMP, would
+	/// cool the caches. The first run warms memory and caches and is not counted; the auditor, which would cool them, waits.
+	std::vector<Planned> runsOf( Way& way, const std::string& world ) const
+	{
+		std::vector<Planned> plans( static_cast<std::size_t>( m_settings.runs ) + 1 );
+		for ( std::size_t run = 0; way.usable() && run < plans.size(); ++run )
+		{
+			plans[run] = way.run( m_settings.seconds, seedOf( m_settings, world, static_cast<int>( run ) ) );
+		}
+		return plans;
 	}
 
 	/// Looks for a reason if the problem is the last one that was not solved.
