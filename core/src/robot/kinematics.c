@@ -8,45 +8,91 @@
 
 #include <string.h>
 
-/// m's columns i and j turn into each other: (i, j) <- (c i + s j, c j - s i).
-static inline void turn_columns( lw_transform* m, int i, int j, double c, double s )
+/// The rotation of m is that of `of` with columns i and j turned into each other: (i, j) <- (c i + s j, c j - s i). @param m may be `of`
+static inline void turn_columns( const lw_transform* of, int i, int j, double c, double s, lw_transform* m )
 {
 	for ( int row = 0; row < 3; ++row )
 	{
-		double a = m->r[row][i], b = m->r[row][j];
+		double a = of->r[row][i], b = of->r[row][j];
 		m->r[row][i] = c * a + s * b;
 		m->r[row][j] = c * b - s * a;
+		m->r[row][3 - i - j] = of->r[row][3 - i - j];
 	}
 }
 
-static void turn_general( lw_transform* m, const double axis[3], double c, double s )
+static void turn_general( const lw_transform* of, const double axis[3], double c, double s, lw_transform* m )
 {
 	double x = axis[0], y = axis[1], z = axis[2], d = 1 - c;
 	lw_transform rotation = { { { c + d * x * x, d * x * y - s * z, d * x * z + s * y },
 								  { d * x * y + s * z, c + d * y * y, d * y * z - s * x },
 								  { d * x * z - s * y, d * y * z + s * x, c + d * z * z } },
 		{ 0, 0, 0 } };
-	*m = lwi_multiply( m, &rotation );
+	*m = lwi_multiply( of, &rotation );
 }
 
-/// Turns m about the joint's axis, on the right: m * rotation( axis, angle ).
-static void rotate( const lwi_joint* joint, lwi_sincos by, lw_transform* m )
+/// The rotation of m is that of `of` turned about the joint's axis, on the right: of * rotation( axis, angle ). @param m may be `of`
+static void rotate( const lwi_joint* joint, lwi_sincos by, const lw_transform* of, lw_transform* m )
 {
 	double c = by.c, s = joint->axis_sign * by.s;
 	switch ( joint->axis_kind )
 	{
 	case LWI_AXIS_X:
-		turn_columns( m, 1, 2, c, s );
+		turn_columns( of, 1, 2, c, s, m );
 		break;
 	case LWI_AXIS_Y:
-		turn_columns( m, 2, 0, c, s );
+		turn_columns( of, 2, 0, c, s, m );
 		break;
 	case LWI_AXIS_Z:
-		turn_columns( m, 0, 1, c, s );
+		turn_columns( of, 0, 1, c, s, m );
 		break;
 	case LWI_AXIS_GENERAL:
-		turn_general( m, joint->axis, c, s );
+		turn_general( of, joint->axis, c, s, m );
 		break;
+	}
+}
+
+/// m = a * b with b's columns i and j turned into each other as by turn_columns(). Column by column: a pose that was stored by entries and is
+/// loaded by pairs of them waits for its stores.
+static inline void multiply_columns( const lw_transform* a, const lw_transform* b, int i, int j, double c, double s,
+	lw_transform* m )
+{
+	const int k = 3 - i - j;
+	const lw_vec3 p = { b->r[0][i], b->r[1][i], b->r[2][i] }, q = { b->r[0][j], b->r[1][j], b->r[2][j] };
+	const lw_vec3 left = lwi_v3( c * p.x + s * q.x, c * p.y + s * q.y, c * p.z + s * q.z );
+	const lw_vec3 right = lwi_v3( c * q.x - s * p.x, c * q.y - s * p.y, c * q.z - s * p.z );
+	for ( int row = 0; row < 3; ++row )
+	{
+		const double x = a->r[row][0], y = a->r[row][1], z = a->r[row][2];
+		m->r[row][i] = x * left.x + y * left.y + z * left.z;
+		m->r[row][j] = x * right.x + y * right.y + z * right.z;
+		m->r[row][k] = x * b->r[0][k] + y * b->r[1][k] + z * b->r[2][k];
+		m->t[row] = x * b->t[0] + y * b->t[1] + z * b->t[2] + a->t[row];
+	}
+}
+
+/// m = a * b * rotation( joint's axis, angle )
+static void multiply_turned( const lw_transform* a, const lw_transform* b, const lwi_joint* joint, lwi_sincos by,
+	lw_transform* m )
+{
+	const double c = by.c, s = joint->axis_sign * by.s;
+	switch ( joint->axis_kind )
+	{
+	case LWI_AXIS_X:
+		multiply_columns( a, b, 1, 2, c, s, m );
+		break;
+	case LWI_AXIS_Y:
+		multiply_columns( a, b, 2, 0, c, s, m );
+		break;
+	case LWI_AXIS_Z:
+		multiply_columns( a, b, 0, 1, c, s, m );
+		break;
+	case LWI_AXIS_GENERAL:
+	{
+		lw_transform turned;
+		turn_general( b, joint->axis, c, s, &turned );
+		*m = lwi_multiply( a, &turned );
+		break;
+	}
 	}
 }
 
@@ -67,14 +113,14 @@ bool lwi_joint_move( const lwi_joint* joint, const double* q, lw_transform* m )
 		break;
 	case LW_JOINT_REVOLUTE:
 	case LW_JOINT_CONTINUOUS:
-		rotate( joint, lwi_sincos_of( lwi_joint_angle( joint, q ) ), m );
+		rotate( joint, lwi_sincos_of( lwi_joint_angle( joint, q ) ), m, m );
 		break;
 	case LW_JOINT_PRISMATIC:
 		translate( m, lwi_scale( joint->multiplier * v[0] + joint->offset, lwi_load( joint->axis ) ) );
 		break;
 	case LW_JOINT_PLANAR:
 		translate( m, lwi_add_scaled( lwi_scale( v[0], lwi_load( joint->plane[0] ) ), v[1], lwi_load( joint->plane[1] ) ) );
-		rotate( joint, lwi_sincos_of( v[2] ), m );
+		rotate( joint, lwi_sincos_of( v[2] ), m, m );
 		break;
 	case LW_JOINT_FLOATING:
 	{
@@ -95,15 +141,15 @@ void lwi_joint_pose_sincos( const lwi_joint* joint, const lw_transform* world_fr
 {
 	if ( translates )
 	{
-		*m = *world_from_frame;
-		translate( m, lwi_load( frame_from_joint->t ) );
-		rotate( joint, by, m );
+		const lw_vec3 t = lwi_transform( world_from_frame, lwi_load( frame_from_joint->t ) );
+		rotate( joint, by, world_from_frame, m );
+		m->t[0] = t.x;
+		m->t[1] = t.y;
+		m->t[2] = t.z;
 	}
 	else // turn first: this product does not depend on the frame's pose
 	{
-		lw_transform rotated = *frame_from_joint;
-		rotate( joint, by, &rotated );
-		*m = lwi_multiply( world_from_frame, &rotated );
+		multiply_turned( world_from_frame, frame_from_joint, joint, by, m );
 	}
 }
 
