@@ -14,34 +14,37 @@ enum
 
 // --- along edges -----------------------------------------------------------------------------------------------------
 
-/// A range of cells along one axis; those of an axis that turns go on beyond its ends.
-typedef struct cell_range
+/// One axis of a slice, and the edge along it in cells.
+typedef struct axis_walk
 {
-	int32_t first, last;
-} cell_range;
+	double from, step; ///< where the edge begins, and how far a piece of it goes
+	int32_t first, last,
+		end; ///< cells of a piece, and the one in which it ends; those of an axis that turns go on beyond its ends
+	int32_t mask, most; ///< of an index; the last cell of an axis that does not turn
+	uint32_t shift;
+	bool periodic;
+} axis_walk;
 
-/// The least number in a box of cells.
-static uint8_t least_in( const lwi_grid_slice* slice, const cell_range* ranges )
+/// The cell of a place along an axis.
+static int32_t cell_at( const axis_walk* axis, double place )
 {
-	cell_range all[LWI_GRID_AXES] = { { 0, 0 } };
-	uint32_t shift[LWI_GRID_AXES] = { 0 };
-	int32_t mask[LWI_GRID_AXES] = { 0 };
-	for ( uint32_t i = 0; i < slice->dimension; ++i )
-	{
-		all[i] = ranges[i];
-		shift[i] = slice->shifts[i];
-		mask[i] = ( 1 << slice->bits[i] ) - 1;
-	}
+	const int32_t cell = lwi_floor( place );
+	return axis->periodic ? cell : cell < 0 ? 0 : cell > axis->most ? axis->most : cell;
+}
+
+/// The least number in the cells of a piece. Axes that a slice has not got have one cell.
+static uint8_t least_in( const lwi_grid_slice* slice, const axis_walk axes[LWI_GRID_AXES] )
+{
 	uint8_t least = UINT8_MAX;
-	for ( int32_t x = all[0].first; x <= all[0].last; ++x )
+	for ( int32_t x = axes[0].first; x <= axes[0].last; ++x )
 	{
-		const uint8_t* plane = slice->cells + ( (size_t)( x & mask[0] ) << shift[0] );
-		for ( int32_t y = all[1].first; y <= all[1].last; ++y )
+		const uint8_t* plane = slice->cells + ( (size_t)( x & axes[0].mask ) << axes[0].shift );
+		for ( int32_t y = axes[1].first; y <= axes[1].last; ++y )
 		{
-			const uint8_t* row = plane + ( (size_t)( y & mask[1] ) << shift[1] );
-			for ( int32_t z = all[2].first; z <= all[2].last; ++z )
+			const uint8_t* row = plane + ( (size_t)( y & axes[1].mask ) << axes[1].shift );
+			for ( int32_t z = axes[2].first; z <= axes[2].last; ++z )
 			{
-				uint8_t number = row[(size_t)( z & mask[2] ) << shift[2]];
+				const uint8_t number = row[(size_t)( z & axes[2].mask ) << axes[2].shift];
 				least = number < least ? number : least;
 			}
 		}
@@ -49,58 +52,66 @@ static uint8_t least_in( const lwi_grid_slice* slice, const cell_range* ranges )
 	return least;
 }
 
-/// The cells that a piece of the edge goes through along one axis.
-static cell_range range_of( bool periodic, uint32_t bits, double begin, double end )
+/// Cuts an edge into pieces that are no longer than a cell. @return their number; 0 if there is no lookup
+static uint32_t begin_walk( const lwi_grid_slice* slice, const lwi_grid_spacing* spacings, const lw_robot* robot,
+	const double* qa, const double* qb, axis_walk axes[LWI_GRID_AXES] )
 {
-	cell_range r = { lwi_floor( begin < end ? begin : end ), lwi_floor( begin < end ? end : begin ) };
-	int32_t last = ( 1 << bits ) - 1;
-	if ( !periodic )
+	double longest = 1;
+	for ( uint32_t i = 0; i < LWI_GRID_AXES; ++i )
 	{
-		r.first = r.first < 0 ? 0 : r.first > last ? last : r.first;
-		r.last = r.last < 0 ? 0 : r.last > last ? last : r.last;
-	}
-	return r;
-}
-
-double lwi_grid_along( const lwi_grid_slice* slice, const lwi_grid_spacing* spacings, const lw_robot* robot,
-	const double* qa, const double* qb, double at_least )
-{
-	double from[LWI_GRID_AXES], way[LWI_GRID_AXES], longest = 1;
-	for ( uint32_t i = 0; i < slice->dimension; ++i )
-	{
-		uint32_t v = slice->variables[i], bits = slice->bits[i];
+		axis_walk* axis = &axes[i];
+		*axis = ( axis_walk ){ 0 };
+		if ( i >= slice->dimension )
+		{
+			continue;
+		}
+		const uint32_t v = slice->variables[i], bits = slice->bits[i];
 		const lwi_grid_spacing* spacing = &spacings[v];
 		if ( spacing->periodic && !( fabs( qa[v] ) < LWI_GRID_LARGEST_ANGLE && fabs( qb[v] ) < LWI_GRID_LARGEST_ANGLE ) )
 		{
 			return 0;
 		}
-		double difference = robot->variables[v].wraps ? lwi_wrapped_difference( qa[v], qb[v] ) : qb[v] - qa[v];
-		from[i] = lwi_grid_coordinate( spacing, bits, qa[v] );
-		way[i] = difference * spacing->inv_width * (double)( 1u << bits );
-		longest = fmax( longest, fabs( way[i] ) );
+		const double difference = robot->variables[v].wraps ? lwi_wrapped_difference( qa[v], qb[v] ) : qb[v] - qa[v];
+		axis->periodic = spacing->periodic;
+		axis->mask = axis->most = ( 1 << bits ) - 1;
+		axis->shift = slice->shifts[i];
+		axis->from = lwi_grid_coordinate( spacing, bits, qa[v] );
+		axis->step = difference * spacing->inv_width * (double)( 1u << bits );
+		longest = lwi_larger( longest, fabs( axis->step ) );
 	}
 	if ( !( longest < MOST_PIECES ) )
 	{
 		return 0;
 	}
-	double pieces = ceil( longest ); // so that none is longer than a cell
-	uint8_t least = UINT8_MAX;
-	for ( double k = 0; k < pieces; ++k )
+	const double pieces = ceil( longest );
+	for ( uint32_t i = 0; i < slice->dimension; ++i )
 	{
-		cell_range ranges[LWI_GRID_AXES];
+		axes[i].step /= pieces;
+		axes[i].end = cell_at( &axes[i], axes[i].from );
+	}
+	return (uint32_t)pieces;
+}
+
+double lwi_grid_along( const lwi_grid_slice* slice, const lwi_grid_spacing* spacings, const lw_robot* robot,
+	const double* qa, const double* qb, double at_least )
+{
+	axis_walk axes[LWI_GRID_AXES];
+	const uint32_t pieces = begin_walk( slice, spacings, robot, qa, qb, axes );
+	uint8_t least = pieces > 0 ? UINT8_MAX : 0;
+	for ( uint32_t k = 1; k <= pieces && lwi_grid_value( least ) >= at_least; ++k )
+	{
 		for ( uint32_t i = 0; i < slice->dimension; ++i )
 		{
-			ranges[i] = range_of( spacings[slice->variables[i]].periodic, slice->bits[i], from[i] + k / pieces * way[i],
-				from[i] + ( k + 1 ) / pieces * way[i] );
+			axis_walk* axis = &axes[i];
+			const int32_t begin = axis->end, end = cell_at( axis, axis->from + k * axis->step );
+			axis->first = begin < end ? begin : end;
+			axis->last = begin < end ? end : begin;
+			axis->end = end;
 		}
-		uint8_t number = least_in( slice, ranges );
+		const uint8_t number = least_in( slice, axes );
 		least = number < least ? number : least;
-		if ( !( lwi_grid_value( least ) >= at_least ) )
-		{
-			return 0;
-		}
 	}
-	return lwi_grid_value( least );
+	return lwi_grid_value( least ) >= at_least ? lwi_grid_value( least ) : 0;
 }
 
 // --- making them -----------------------------------------------------------------------------------------------------
@@ -127,7 +138,8 @@ static bool make_slice( const lwi_checker_base* base, const bool* in_group, cons
 			return false;
 		}
 		double place = lwi_grid_coordinate( &spacing, axis->bits, x );
-		int32_t index = range_of( axis->periodic, axis->bits, place, place ).first & ( ( 1 << axis->bits ) - 1 );
+		const int32_t mask = ( 1 << axis->bits ) - 1;
+		const int32_t index = cell_at( &( axis_walk ){ .periodic = axis->periodic, .most = mask }, place ) & mask;
 		out->cells += (size_t)index << shift;
 	}
 	return out->dimension > 0;

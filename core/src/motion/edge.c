@@ -89,11 +89,6 @@ bool lwi_edge_begin( lwi_edge* edge )
 	}
 	edge->pairs.separation = edge->pairs.surplus = INFINITY;
 	lwi_edge_forget_poses( edge );
-	if ( lwi_path_is_straight( edge ) )
-	{
-		lw_checker_full_state( edge->checker, edge->path.qa, edge->path.full_a );
-		lw_checker_full_state( edge->checker, edge->path.qb, edge->path.full_b );
-	}
 	return true;
 }
 
@@ -173,6 +168,8 @@ static bool check_steps_in_order( lwi_edge* e, uint32_t n )
 static lw_status check_steps( lwi_edge* e )
 {
 	const lw_checker* c = e->checker;
+	lw_checker_full_state( c, e->path.qa, e->path.full_a );
+	lw_checker_full_state( c, e->path.qb, e->path.full_b );
 	if ( !lwi_motion_measure( c->base->motion, e->path.full_a, e->path.full_b, e->path.motion ) )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;

@@ -298,6 +298,9 @@ const double* lwi_path_state( lwi_edge* edge, double t );
 /// quaternion's first on are its angular velocity in the frame before the joint, in which its shift is given, not in the child's. @param speeds [robot variable_count], 0 for all but the group's; may be NULL
 void lwi_path_at( const lwi_edge* edge, double t, double* state, double* speeds );
 
+/// The same at the middles of the eight parts of [0, end], 0 < end <= 1. @param states, speeds [LWI_WIDTH][robot variable_count]
+void lwi_path_lanes( const lwi_edge* edge, double end, double* states, double* speeds );
+
 /// Do the tables of the reach hold along all of the path?
 bool lwi_path_is_covered( const lwi_edge* edge );
 

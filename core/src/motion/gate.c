@@ -106,12 +106,7 @@ static double size_of( const lwi_batch_point* p, double path )
 static void pose_lanes( gate* g )
 {
 	lwi_edge* e = g->e;
-	const uint32_t variables = e->checker->base->robot->variable_count;
-	for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
-	{
-		lwi_path_at( e, e->work.end * ( ( l + 0.5 ) / LWI_WIDTH ), e->lane_states + l * variables,
-			e->lane_speeds + l * variables );
-	}
+	lwi_path_lanes( e, e->work.end, e->lane_states, e->lane_speeds );
 	lwi_pose_moving_lanes( e->checker, e->query, e->lane_states, e->lane_speeds );
 	lwi_lanes_stand( e->checker, e->query );
 	lwi_pose_lane_spheres( e->checker, e->query, g->half );
@@ -149,15 +144,17 @@ typedef struct query_sphere
 	float reach;
 } query_sphere;
 
-static query_sphere make_query_sphere( const gate* g, uint32_t cluster, const lw_sphere* sphere, double margin )
+/// Made in its place: it has eight lanes.
+static void make_query_sphere( const gate* g, uint32_t cluster, const lw_sphere* sphere, double margin, query_sphere* s )
 {
 	const lw_scene* scene = g->e->checker->scene;
-	query_sphere s = { .radius = sphere->radius, .path = rate_of( g, cluster ).path };
-	g->kernels->batch_point( &g->frames[cluster], sphere->center, scene->origin, g->half, &s.at );
-	s.need = g->e->pairs.need[0] + g->rounding + g->e->lane_bounds[cluster].deviation + tube_in_scene( g, cluster ) + margin;
-	s.slack = lwi_gap_slack( 2 * ( size_of( &s.at, s.path ) + scene->extent + 2 * sphere->radius ) );
-	s.reach = lwi_round_up( s.radius + s.need + s.slack );
-	return s;
+	s->radius = sphere->radius;
+	s->path = rate_of( g, cluster ).path;
+	g->kernels->batch_point( &g->frames[cluster], sphere->center, scene->origin, g->half, &s->at );
+	s->need =
+		g->e->pairs.need[0] + g->rounding + g->e->lane_bounds[cluster].deviation + tube_in_scene( g, cluster ) + margin;
+	s->slack = lwi_gap_slack( 2 * ( size_of( &s->at, s->path ) + scene->extent + 2 * sphere->radius ) );
+	s->reach = lwi_round_up( s->radius + s->need + s->slack );
 }
 
 /// Lanes in which a sphere does not stay away from a half-space or plane.
@@ -212,20 +209,18 @@ static uint32_t obstacles_of( const gate* g, const lwi_cluster* n, uint32_t bloc
 
 /// Obstacles that a cluster's sphere meets: the first of query->scratch.candidates, lanes in place of the gap. Returns
 /// their count.
-static uint32_t near_cluster( const gate* g, uint32_t cluster, query_sphere* out )
+static uint32_t near_cluster( const gate* g, uint32_t cluster, query_sphere* s )
 {
 	const lw_checker* c = g->e->checker;
 	const lwi_cluster* n = &g->tree->clusters[cluster];
 	const lwi_margins* m = c->margins;
 	const bool alone = n->body_count == 1;
 	const uint32_t only = g->tree->bodies[n->first_body], blocks = c->scene->block_count;
-	const query_sphere s = make_query_sphere( g, cluster, &n->r,
-		m == NULL ? 0
-		: alone   ? m->bodies[only]
-				  : m->clusters[2 * cluster] );
+	const double margin = m == NULL ? 0 : alone ? m->bodies[only] : m->clusters[2 * cluster];
+	make_query_sphere( g, cluster, &n->r, margin, s );
 	const float* margins = m == NULL ? NULL : alone ? m->body_row[only] : m->objects;
-	const double middle[3] = { (double)s.at.p[0][4] + c->scene->origin[0], (double)s.at.p[1][4] + c->scene->origin[1],
-		(double)s.at.p[2][4] + c->scene->origin[2] };
+	const double middle[3] = { (double)s->at.p[0][4] + c->scene->origin[0], (double)s->at.p[1][4] + c->scene->origin[1],
+		(double)s->at.p[2][4] + c->scene->origin[2] };
 	lw_query* query = g->e->query;
 	uint32_t count = 0;
 	bool any = true;
@@ -235,8 +230,8 @@ static uint32_t near_cluster( const gate* g, uint32_t cluster, query_sphere* out
 		// all that the sphere passes lies in one: 5 / 8 of the part are left on the longer side of the fifth window's middle
 		const double largest = margins != NULL ? m->largest : 0;
 		const double slack = lwi_scene_gaps( c->scene, blocks, g->kernels, middle,
-			s.radius + s.need + 0.625 * g->e->work.end * s.path + largest, s.slack, query->scratch.row, &any );
-		limit = lwi_round_up( s.slack + slack );
+			s->radius + s->need + 0.625 * g->e->work.end * s->path + largest, s->slack, query->scratch.row, &any );
+		limit = lwi_round_up( s->slack + slack );
 	}
 	for ( uint32_t block = 0; any && block < blocks; ++block )
 	{
@@ -247,14 +242,13 @@ static uint32_t near_cluster( const gate* g, uint32_t cluster, query_sphere* out
 			{
 				continue;
 			}
-			const uint32_t lanes = meets_obstacle( g, &s, shape, margins != NULL ? (double)margins[shape] : 0 );
+			const uint32_t lanes = meets_obstacle( g, s, shape, margins != NULL ? (double)margins[shape] : 0 );
 			if ( lanes != 0 )
 			{
 				query->scratch.candidates[count++] = ( lwi_candidate ){ (float)lanes, shape };
 			}
 		}
 	}
-	*out = s;
 	return count;
 }
 
@@ -268,8 +262,11 @@ static bool list_obstacles( const gate* g, uint32_t place, const lwi_candidate* 
 	const uint32_t body = g->tree->bodies[place], cluster = g->tree->body_cluster[body];
 	const uint8_t* mask = c->environment.mask + (size_t)body * c->scene->block_count;
 	const float* row = m != NULL ? m->body_row[body] : NULL;
-	const query_sphere s =
-		own != NULL ? *own : make_query_sphere( g, cluster, &g->tree->body_spheres[place], m != NULL ? m->bodies[body] : 0 );
+	query_sphere made;
+	if ( own == NULL )
+	{
+		make_query_sphere( g, cluster, &g->tree->body_spheres[place], m != NULL ? m->bodies[body] : 0, &made );
+	}
 	lwi_edge_pairs* pairs = &g->e->pairs;
 	bool room = true;
 	*lanes = 0;
@@ -281,7 +278,7 @@ static bool list_obstacles( const gate* g, uint32_t place, const lwi_candidate* 
 		{
 			continue;
 		}
-		met = own != NULL ? met : meets_obstacle( g, &s, shape, row != NULL ? (double)row[shape] : 0 ) & met;
+		met = own != NULL ? met : meets_obstacle( g, &made, shape, row != NULL ? (double)row[shape] : 0 ) & met;
 		*lanes |= met;
 		room = room && ( met == 0 || pairs->obstacle_count < LWI_EDGE_OBSTACLES );
 		if ( met != 0 && room )

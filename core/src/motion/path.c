@@ -302,6 +302,21 @@ void lwi_path_at( const lwi_edge* e, double t, double* state, double* speeds )
 	}
 }
 
+void lwi_path_lanes( const lwi_edge* e, double end, double* states, double* speeds )
+{
+	const size_t variables = e->checker->base->robot->variable_count;
+	const bool alike = lwi_path_is_straight( e ); // speeds are
+	for ( uint32_t l = 0; l < LWI_WIDTH; ++l )
+	{
+		lwi_path_at( e, end * ( ( l + 0.5 ) / LWI_WIDTH ), states + l * variables,
+			alike && l > 0 ? NULL : speeds + l * variables );
+	}
+	for ( uint32_t l = 1; alike && l < LWI_WIDTH; ++l )
+	{
+		memcpy( speeds + l * variables, speeds, variables * sizeof( double ) );
+	}
+}
+
 const double* lwi_path_state( lwi_edge* e, double t )
 {
 	if ( t == 0 || t == 1 )

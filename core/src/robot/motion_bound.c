@@ -43,12 +43,24 @@ static inline const motion_scratch* scratch_of( const void* memory )
 
 // ---- an edge ---------------------------------------------------------------------------------------------------------
 
-static lwi_joint_motion motion_of( const lw_robot* robot, const lwi_motion_entry* entry, const double* qa, const double* qb )
+/// Field by field: gcc clears the whole by `rep stos`, which takes as long as all the rest.
+static void stand_still( lwi_joint_motion* m )
+{
+	m->rotation = m->translation = m->excess = m->reach = m->value = 0;
+	m->turn_change = m->shift_change = 0;
+	m->tube_rotation = m->tube_translation = m->late_rotation = m->late_translation = 0;
+	m->track = 0;
+	m->any_axis = false;
+	m->axis = m->origin = lwi_v3( 0, 0, 0 );
+}
+
+static void motion_of( const lw_robot* robot, const lwi_motion_entry* entry, const double* qa, const double* qb,
+	lwi_joint_motion* m )
 {
 	const lwi_joint* joint = &robot->joints[entry->joint];
 	const double* a = qa + joint->variable;
 	const double* b = qb + joint->variable;
-	lwi_joint_motion m = { 0 };
+	stand_still( m );
 	if ( joint->type == LW_JOINT_REVOLUTE || joint->type == LW_JOINT_CONTINUOUS || joint->type == LW_JOINT_PRISMATIC )
 	{
 		bool wraps = robot->variables[joint->variable].wraps;
@@ -56,24 +68,23 @@ static lwi_joint_motion motion_of( const lw_robot* robot, const lwi_motion_entry
 		double change = fabs( joint->multiplier * difference );
 		double va = joint->multiplier * a[0] + joint->offset, vb = joint->multiplier * b[0] + joint->offset;
 		bool prismatic = joint->type == LW_JOINT_PRISMATIC;
-		m.rotation = prismatic ? 0 : change;
-		m.translation = prismatic ? change : 0;
-		m.excess = prismatic ? lwi_larger( fabs( va - entry->center[0] ), fabs( vb - entry->center[0] ) ) : 0;
-		m.reach = prismatic ? lwi_larger( fabs( va ), fabs( vb ) ) : 0;
+		m->rotation = prismatic ? 0 : change;
+		m->translation = prismatic ? change : 0;
+		m->excess = prismatic ? lwi_larger( fabs( va - entry->center[0] ), fabs( vb - entry->center[0] ) ) : 0;
+		m->reach = prismatic ? lwi_larger( fabs( va ), fabs( vb ) ) : 0;
 		// the wrapped way passes angles up to |a| + pi; the offset and the two products round too
-		m.value = prismatic ? 0 : fabs( joint->multiplier ) * ( fabs( a[0] ) + fabs( b[0] ) + 4 ) + fabs( joint->offset );
-		return m;
+		m->value = prismatic ? 0 : fabs( joint->multiplier ) * ( fabs( a[0] ) + fabs( b[0] ) + 4 ) + fabs( joint->offset );
+		return;
 	}
-	m.any_axis = joint->type == LW_JOINT_FLOATING;
+	m->any_axis = joint->type == LW_JOINT_FLOATING;
 	bool planar = joint->type == LW_JOINT_PLANAR;
 	lw_vec3 pa = lwi_v3( a[0], a[1], planar ? 0 : a[2] ), pb = lwi_v3( b[0], b[1], planar ? 0 : b[2] );
 	lw_vec3 center = lwi_v3( entry->center[0], entry->center[1], planar ? 0 : entry->center[2] );
-	m.rotation = planar ? fabs( lwi_wrapped_difference( a[2], b[2] ) ) : 2 * lwi_quaternion_half_angle( a + 3, b + 3 );
-	m.translation = lwi_distance( pa, pb );
-	m.excess = lwi_larger( lwi_distance( pa, center ), lwi_distance( pb, center ) ); // ends are farthest
-	m.reach = lwi_larger( lwi_length( pa ), lwi_length( pb ) );
-	m.value = planar ? fabs( a[2] ) + fabs( b[2] ) + 4 : 4;
-	return m;
+	m->rotation = planar ? fabs( lwi_wrapped_difference( a[2], b[2] ) ) : 2 * lwi_quaternion_half_angle( a + 3, b + 3 );
+	m->translation = lwi_distance( pa, pb );
+	m->excess = lwi_larger( lwi_distance( pa, center ), lwi_distance( pb, center ) ); // ends are farthest
+	m->reach = lwi_larger( lwi_length( pa ), lwi_length( pb ) );
+	m->value = planar ? fabs( a[2] ) + fabs( b[2] ) + 4 : 4;
 }
 
 /// The larger absolute value of two.
@@ -83,28 +94,29 @@ static double farther( double a, double b )
 }
 
 /// The motion of a joint whose variables stay in ranges. Quaternions stay.
-static lwi_joint_motion motion_within( const lw_robot* robot, const lwi_motion_entry* entry, const lwi_motion_ranges* r )
+static void motion_within( const lw_robot* robot, const lwi_motion_entry* entry, const lwi_motion_ranges* r,
+	lwi_joint_motion* m )
 {
 	const lwi_joint* joint = &robot->joints[entry->joint];
 	const double *low = r->least + joint->variable, *high = r->most + joint->variable;
 	const double *speed = r->speed + joint->variable, *change = r->change + joint->variable;
 	const double factor = fabs( joint->multiplier );
-	lwi_joint_motion m = { 0 };
+	stand_still( m );
 	if ( joint->type == LW_JOINT_REVOLUTE || joint->type == LW_JOINT_CONTINUOUS )
 	{
-		m.rotation = factor * speed[0];
-		m.turn_change = factor * change[0];
-		m.value = 4 * factor * ( farther( low[0], high[0] ) + 1 ) + fabs( joint->offset );
-		return m;
+		m->rotation = factor * speed[0];
+		m->turn_change = factor * change[0];
+		m->value = 4 * factor * ( farther( low[0], high[0] ) + 1 ) + fabs( joint->offset );
+		return;
 	}
 	if ( joint->type == LW_JOINT_PRISMATIC )
 	{
 		const double va = joint->multiplier * low[0] + joint->offset, vb = joint->multiplier * high[0] + joint->offset;
-		m.translation = factor * speed[0];
-		m.shift_change = factor * change[0];
-		m.excess = farther( va - entry->center[0], vb - entry->center[0] );
-		m.reach = farther( va, vb );
-		return m;
+		m->translation = factor * speed[0];
+		m->shift_change = factor * change[0];
+		m->excess = farther( va - entry->center[0], vb - entry->center[0] );
+		m->reach = farther( va, vb );
+		return;
 	}
 	const bool planar = joint->type == LW_JOINT_PLANAR;
 	double away[3] = { 0 }, reach[3] = { 0 }, by[3] = { 0 }, more[3] = { 0 };
@@ -115,15 +127,14 @@ static lwi_joint_motion motion_within( const lw_robot* robot, const lwi_motion_e
 		by[i] = speed[i];
 		more[i] = change[i];
 	}
-	m.any_axis = !planar;
-	m.rotation = planar ? speed[2] : 0;
-	m.turn_change = planar ? change[2] : 0;
-	m.translation = lwi_length( lwi_load( by ) );
-	m.shift_change = lwi_length( lwi_load( more ) );
-	m.excess = lwi_length( lwi_load( away ) );
-	m.reach = lwi_length( lwi_load( reach ) );
-	m.value = planar ? 4 * ( farther( low[2], high[2] ) + 1 ) : 4;
-	return m;
+	m->any_axis = !planar;
+	m->rotation = planar ? speed[2] : 0;
+	m->turn_change = planar ? change[2] : 0;
+	m->translation = lwi_length( lwi_load( by ) );
+	m->shift_change = lwi_length( lwi_load( more ) );
+	m->excess = lwi_length( lwi_load( away ) );
+	m->reach = lwi_length( lwi_load( reach ) );
+	m->value = planar ? 4 * ( farther( low[2], high[2] ) + 1 ) : 4;
 }
 
 /// Bounds along the whole edge for the points of a body, by its first 1, 2, .. joints upwards: path length, and acceleration
@@ -287,16 +298,15 @@ static bool begin( const lwi_motion_table* table, const double* qa, const double
 	for ( uint32_t i = 0; i < table->moving_joint_count; ++i )
 	{
 		const lwi_motion_entry* entry = &table->moving_joints[i];
-		lwi_joint_motion m =
-			ranges != NULL ? motion_within( table->robot, entry, ranges ) : motion_of( table->robot, entry, qa, qb );
-		length += m.reach;
-		excess += m.excess;
-		angles += lwi_joint_rotates( table->robot->joints[entry->joint].type ) ? m.value : 0;
-		w.total += entry->axis_radius * m.rotation + m.translation;
-		slerps += m.any_axis && m.rotation > 0 ? 1 : 0;
-		turns += m.rotation;
-		shifts += m.translation;
-		s->motions[i] = m;
+		lwi_joint_motion* m = &s->motions[i];
+		ranges != NULL ? motion_within( table->robot, entry, ranges, m ) : motion_of( table->robot, entry, qa, qb, m );
+		length += m->reach;
+		excess += m->excess;
+		angles += lwi_joint_rotates( table->robot->joints[entry->joint].type ) ? m->value : 0;
+		w.total += entry->axis_radius * m->rotation + m->translation;
+		slerps += m->any_axis && m->rotation > 0 ? 1 : 0;
+		turns += m->rotation;
+		shifts += m->translation;
 	}
 	w.pose_rounding = 64 * LWI_U64 * ( table->most_joints + 2 ) * length;
 	w.rounding = ( w.pose_rounding + 8 * LWI_U64 * ( angles + 1 ) * length ) * LWI_MOTION_OUTWARD;
@@ -522,7 +532,8 @@ double lwi_motion_box_rounding( const lwi_motion_table* table, uint32_t body, co
 	for ( uint32_t k = 0; k < count; ++k )
 	{
 		const lwi_motion_entry entry = { .joint = way[k] };
-		lwi_joint_motion m = motion_of( table->robot, &entry, lower, upper );
+		lwi_joint_motion m;
+		motion_of( table->robot, &entry, lower, upper, &m );
 		length += 2 * m.reach; // a planar joint's farthest corner may be one of the other two: by at most sqrt( 2 )
 		length += lwi_length( lwi_load( table->robot->joints[way[k]].parent_from_joint.t ) );
 		angles += lwi_joint_rotates( table->robot->joints[way[k]].type ) ? m.value : 1;
