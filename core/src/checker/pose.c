@@ -43,8 +43,8 @@ void lwi_pose_under( const lw_checker* checker, uint32_t index, const lw_transfo
 	const lwi_joint* joint = &checker->base->robot->joints[checker->base->robot->link_joint[cluster->root_link]];
 	if ( checker->base->tree->angles[index].rotates )
 	{
-		const lwi_sincos by = { cosines[index], sines[index] };
-		lwi_joint_pose_sincos( joint, above, &cluster->parent_from_joint, cluster->translates, by, out );
+		lwi_joint_pose_sincos( joint, above, &cluster->parent_from_joint, cluster->translates, cosines[index], sines[index],
+			out );
 	}
 	else
 	{

@@ -216,7 +216,9 @@ lwi_edge_sample lwi_edge_certify( lwi_edge* e, lwi_edge_pair* pair, lwi_edge_win
 		return s;
 	}
 	lwi_edge_count_state( e, window.t );
-	const lwi_window_motion motion[2] = { lwi_window_motion_of( pair, 0, window ), lwi_window_motion_of( pair, 1, window ) };
+	lwi_window_motion motion[2];
+	lwi_window_motion_of( pair, 0, window, &motion[0] );
+	lwi_window_motion_of( pair, 1, window, &motion[1] );
 	const lwi_edge_plane_result by = try_planes( e, pair, motion );
 	if ( by != LWI_EDGE_MEASURE )
 	{

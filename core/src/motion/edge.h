@@ -333,8 +333,8 @@ bool lwi_edge_pose( lwi_edge* edge, double t );
 /// Measures how clusters move along the whole path, by their poses in its middle. @return false if that failed
 bool lwi_edge_measure_path( lwi_edge* edge );
 
-/// @param side 0 or 1: of which body of the pair
-lwi_window_motion lwi_window_motion_of( const lwi_edge_pair* pair, int side, lwi_edge_window window );
+/// @param side 0 or 1: of which body of the pair @param m made in its place
+void lwi_window_motion_of( const lwi_edge_pair* pair, int side, lwi_edge_window window, lwi_window_motion* m );
 
 /// Largest distance from the middle's place to any other in the window, of the points of a sphere that the body carries.
 /// @param sphere frame of the cluster's `root_link`

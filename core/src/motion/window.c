@@ -172,18 +172,17 @@ static lwi_window_poses* poses_of( lwi_edge* e, const lwi_window_motion* m )
 
 // ---- window motions --------------------------------------------------------------------------------------------------
 
-lwi_window_motion lwi_window_motion_of( const lwi_edge_pair* pair, int side, lwi_edge_window window )
+void lwi_window_motion_of( const lwi_edge_pair* pair, int side, lwi_edge_window window, lwi_window_motion* m )
 {
 	const lwi_motion_rate rate = pair->rate[side];
-	lwi_window_motion m = { .body = pair->body[side],
-		.ancestor = pair->ancestor,
-		.window = window,
-		.moves = rate.path > 0 && window.half > 0,
-		.chord_error = lwi_chord_error_of( rate, window.half ),
-		.tube = pair->tube[side] };
-	m.deviation = m.chord_error.max + m.tube;
-	m.path = window.half * rate.path + m.tube;
-	return m;
+	m->body = pair->body[side];
+	m->ancestor = pair->ancestor;
+	m->window = window;
+	m->moves = rate.path > 0 && window.half > 0;
+	m->chord_error = lwi_chord_error_of( rate, window.half );
+	m->tube = pair->tube[side];
+	m->deviation = m->chord_error.max + m->tube;
+	m->path = window.half * rate.path + m->tube;
 }
 
 /// Chord of a point at distance 1 by the turn from one pose to another. Of two rotations by an angle a from each other,

@@ -31,9 +31,9 @@ static void turn_general( const lw_transform* of, const double axis[3], double c
 }
 
 /// The rotation of m is that of `of` turned about the joint's axis, on the right: of * rotation( axis, angle ). @param m may be `of`
-static void rotate( const lwi_joint* joint, lwi_sincos by, const lw_transform* of, lw_transform* m )
+static void rotate( const lwi_joint* joint, double cosine, double sine, const lw_transform* of, lw_transform* m )
 {
-	double c = by.c, s = joint->axis_sign * by.s;
+	double c = cosine, s = joint->axis_sign * sine;
 	switch ( joint->axis_kind )
 	{
 	case LWI_AXIS_X:
@@ -71,10 +71,10 @@ static inline void multiply_columns( const lw_transform* a, const lw_transform* 
 }
 
 /// m = a * b * rotation( joint's axis, angle )
-static void multiply_turned( const lw_transform* a, const lw_transform* b, const lwi_joint* joint, lwi_sincos by,
-	lw_transform* m )
+static void multiply_turned( const lw_transform* a, const lw_transform* b, const lwi_joint* joint, double cosine,
+	double sine, lw_transform* m )
 {
-	const double c = by.c, s = joint->axis_sign * by.s;
+	const double c = cosine, s = joint->axis_sign * sine;
 	switch ( joint->axis_kind )
 	{
 	case LWI_AXIS_X:
@@ -113,15 +113,21 @@ bool lwi_joint_move( const lwi_joint* joint, const double* q, lw_transform* m )
 		break;
 	case LW_JOINT_REVOLUTE:
 	case LW_JOINT_CONTINUOUS:
-		rotate( joint, lwi_sincos_of( lwi_joint_angle( joint, q ) ), m, m );
+	{
+		const lwi_sincos by = lwi_sincos_of( lwi_joint_angle( joint, q ) );
+		rotate( joint, by.c, by.s, m, m );
 		break;
+	}
 	case LW_JOINT_PRISMATIC:
 		translate( m, lwi_scale( joint->multiplier * v[0] + joint->offset, lwi_load( joint->axis ) ) );
 		break;
 	case LW_JOINT_PLANAR:
+	{
+		const lwi_sincos by = lwi_sincos_of( v[2] );
 		translate( m, lwi_add_scaled( lwi_scale( v[0], lwi_load( joint->plane[0] ) ), v[1], lwi_load( joint->plane[1] ) ) );
-		rotate( joint, lwi_sincos_of( v[2] ), m, m );
+		rotate( joint, by.c, by.s, m, m );
 		break;
+	}
 	case LW_JOINT_FLOATING:
 	{
 		lw_transform motion;
@@ -137,19 +143,19 @@ bool lwi_joint_move( const lwi_joint* joint, const double* q, lw_transform* m )
 }
 
 void lwi_joint_pose_sincos( const lwi_joint* joint, const lw_transform* world_from_frame,
-	const lw_transform* frame_from_joint, bool translates, lwi_sincos by, lw_transform* m )
+	const lw_transform* frame_from_joint, bool translates, double cosine, double sine, lw_transform* m )
 {
 	if ( translates )
 	{
 		const lw_vec3 t = lwi_transform( world_from_frame, lwi_load( frame_from_joint->t ) );
-		rotate( joint, by, world_from_frame, m );
+		rotate( joint, cosine, sine, world_from_frame, m );
 		m->t[0] = t.x;
 		m->t[1] = t.y;
 		m->t[2] = t.z;
 	}
 	else // turn first: this product does not depend on the frame's pose
 	{
-		multiply_turned( world_from_frame, frame_from_joint, joint, by, m );
+		multiply_turned( world_from_frame, frame_from_joint, joint, cosine, sine, m );
 	}
 }
 
@@ -159,7 +165,7 @@ bool lwi_joint_pose( const lwi_joint* joint, const lw_transform* world_from_fram
 	if ( lwi_joint_only_rotates( joint ) )
 	{
 		lwi_sincos by = lwi_sincos_of( lwi_joint_angle( joint, q ) );
-		lwi_joint_pose_sincos( joint, world_from_frame, frame_from_joint, translates, by, m );
+		lwi_joint_pose_sincos( joint, world_from_frame, frame_from_joint, translates, by.c, by.s, m );
 		return true;
 	}
 	if ( translates )

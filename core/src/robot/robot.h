@@ -146,7 +146,7 @@ static inline double lwi_joint_angle( const lwi_joint* joint, const double* q )
 }
 /// lwi_joint_pose() of such a joint, to the bit, where the sine and cosine of its angle are known.
 void lwi_joint_pose_sincos( const lwi_joint* joint, const lw_transform* world_from_frame,
-	const lw_transform* frame_from_joint, bool translates, lwi_sincos by, lw_transform* m );
+	const lw_transform* frame_from_joint, bool translates, double cosine, double sine, lw_transform* m );
 
 /// Signed difference that lw_robot_interpolate goes through from `from` to `to` for a variable that wraps: in [-pi, pi].
 double lwi_wrapped_difference( double from, double to );
