@@ -17,10 +17,10 @@ enum
 /// One axis of a slice, and the edge along it in cells.
 typedef struct axis_walk
 {
-	double from, step; ///< where the edge begins, and how far a piece of it goes
-	int32_t first, last,
-		end; ///< cells of a piece, and the one in which it ends; those of an axis that turns go on beyond its ends
-	int32_t mask, most; ///< of an index; the last cell of an axis that does not turn
+	double from, step;   ///< where the edge begins, and how far a piece of it goes
+	int32_t first, last; ///< cells of a piece; those of an axis that turns go on beyond its ends
+	int32_t end;         ///< the cell in which the piece ends
+	int32_t mask, most;  ///< of an index; the last cell of an axis that does not turn
 	uint32_t shift;
 	bool periodic;
 } axis_walk;
