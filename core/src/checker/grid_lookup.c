@@ -20,7 +20,7 @@ typedef struct axis_walk
 	double from, step;   ///< where the edge begins, and how far a piece of it goes
 	int32_t first, last; ///< cells of a piece; those of an axis that turns go on beyond its ends
 	int32_t end;         ///< the cell in which the piece ends
-	int32_t mask, most;  ///< of an index; the last cell of an axis that does not turn
+	int32_t most;        ///< the largest index, and the bits of one
 	uint32_t shift;
 	bool periodic;
 } axis_walk;
@@ -38,13 +38,13 @@ static uint8_t least_in( const lwi_grid_slice* slice, const axis_walk axes[LWI_G
 	uint8_t least = UINT8_MAX;
 	for ( int32_t x = axes[0].first; x <= axes[0].last; ++x )
 	{
-		const uint8_t* plane = slice->cells + ( (size_t)( x & axes[0].mask ) << axes[0].shift );
+		const uint8_t* plane = slice->cells + ( (size_t)( x & axes[0].most ) << axes[0].shift );
 		for ( int32_t y = axes[1].first; y <= axes[1].last; ++y )
 		{
-			const uint8_t* row = plane + ( (size_t)( y & axes[1].mask ) << axes[1].shift );
+			const uint8_t* row = plane + ( (size_t)( y & axes[1].most ) << axes[1].shift );
 			for ( int32_t z = axes[2].first; z <= axes[2].last; ++z )
 			{
-				const uint8_t number = row[(size_t)( z & axes[2].mask ) << axes[2].shift];
+				const uint8_t number = row[(size_t)( z & axes[2].most ) << axes[2].shift];
 				least = number < least ? number : least;
 			}
 		}
@@ -73,7 +73,7 @@ static uint32_t begin_walk( const lwi_grid_slice* slice, const lwi_grid_spacing*
 		}
 		const double difference = robot->variables[v].wraps ? lwi_wrapped_difference( qa[v], qb[v] ) : qb[v] - qa[v];
 		axis->periodic = spacing->periodic;
-		axis->mask = axis->most = ( 1 << bits ) - 1;
+		axis->most = ( 1 << bits ) - 1;
 		axis->shift = slice->shifts[i];
 		axis->from = lwi_grid_coordinate( spacing, bits, qa[v] );
 		axis->step = difference * spacing->inv_width * (double)( 1u << bits );
@@ -137,10 +137,7 @@ static bool make_slice( const lwi_checker_base* base, const bool* in_group, cons
 		{
 			return false;
 		}
-		double place = lwi_grid_coordinate( &spacing, axis->bits, x );
-		const int32_t mask = ( 1 << axis->bits ) - 1;
-		const int32_t index = cell_at( &( axis_walk ){ .periodic = axis->periodic, .most = mask }, place ) & mask;
-		out->cells += (size_t)index << shift;
+		out->cells += (size_t)lwi_grid_index( &spacing, axis->bits, x ) << shift;
 	}
 	return out->dimension > 0;
 }

@@ -50,6 +50,13 @@ static inline double lwi_grid_coordinate( const lwi_grid_spacing* spacing, uint3
 	return ( x - spacing->lower ) * spacing->inv_width * (double)( 1u << bits );
 }
 
+/// Index of the cell of a value along an axis of 2^bits cells. A periodic value is within LWI_GRID_LARGEST_ANGLE.
+static inline int32_t lwi_grid_index( const lwi_grid_spacing* spacing, uint32_t bits, double x )
+{
+	const int32_t last = ( 1 << bits ) - 1, index = lwi_floor( lwi_grid_coordinate( spacing, bits, x ) );
+	return spacing->periodic ? index & last : index < 0 ? 0 : index > last ? last : index;
+}
+
 /// Proved for a pair in one state, which is covered, in metres. The caller takes margins off.
 /// @param spacings, state [robot variable_count]
 static inline double lwi_grid_at( const lwi_grid_slice* slice, const lwi_grid_spacing* spacings, const double* state )
@@ -63,9 +70,7 @@ static inline double lwi_grid_at( const lwi_grid_slice* slice, const lwi_grid_sp
 		{
 			return 0;
 		}
-		int32_t last = ( 1 << slice->bits[i] ) - 1, index = lwi_floor( lwi_grid_coordinate( spacing, slice->bits[i], x ) );
-		index = spacing->periodic ? index & last : index < 0 ? 0 : index > last ? last : index;
-		cell += (size_t)index << slice->shifts[i];
+		cell += (size_t)lwi_grid_index( spacing, slice->bits[i], x ) << slice->shifts[i];
 	}
 	return lwi_grid_value( slice->cells[cell] );
 }

@@ -71,6 +71,10 @@ static lwi_motion_rate rate_of( const gate* g, uint32_t cluster )
 /// @param ancestor cluster above it, from which it is seen
 static lwi_motion_tube tube_of( const gate* g, uint32_t cluster, uint32_t ancestor )
 {
+	if ( !( g->e->path.tube > 0 ) ) // most edges have none, and a robot has hundreds of pairs
+	{
+		return ( lwi_motion_tube ){ 0, 0, LWI_NO_TRACK };
+	}
 	const lw_checker* c = g->e->checker;
 	return lwi_motion_tube_of( c->base->motion, g->e->path.motion, cluster, g->tree->clusters[ancestor].root_link );
 }
@@ -78,10 +82,6 @@ static lwi_motion_tube tube_of( const gate* g, uint32_t cluster, uint32_t ancest
 /// Metres: by which motions within the tolerance may bring a cluster nearer to the scene.
 static double tube_in_scene( const gate* g, uint32_t cluster )
 {
-	if ( !( g->e->path.tube > 0 ) )
-	{
-		return 0;
-	}
 	const lwi_motion_tube tube = tube_of( g, cluster, 0 );
 	return lwi_motion_feels_late( tube.track, LWI_NO_TRACK ) ? tube.late : tube.timely;
 }
@@ -89,10 +89,6 @@ static double tube_in_scene( const gate* g, uint32_t cluster )
 /// Metres: by which they may bring two clusters nearer to each other.
 static double tube_between( const gate* g, const lwi_cluster_pair* pair )
 {
-	if ( !( g->e->path.tube > 0 ) ) // most edges have none, and a robot has hundreds of pairs
-	{
-		return 0;
-	}
 	const lwi_motion_tube a = tube_of( g, pair->cluster_a, pair->ancestor ),
 						  b = tube_of( g, pair->cluster_b, pair->ancestor );
 	return lwi_motion_feels_late( a.track, b.track ) ? a.late + b.late : a.timely + b.timely;
