@@ -335,7 +335,7 @@ void Planner::Parts::lookAhead( Validator& validator, const double* goal, unsign
 	{
 		space.between( from.data(), goal, ( step + ( i + 1.0 ) / quarters ) / steps, ahead.data() + i * space.size() );
 	}
-	validator.look( ahead.data(), count, false, seen );
+	validator.look( ahead.data(), count, LW_STATES_ALONG, seen );
 }
 
 /// Does one of these steps seem free? Its end is, if that is new.
@@ -441,7 +441,7 @@ void Planner::Parts::drawCandidates( Validator& validator, unsigned side )
 		    tree.state( c.nears[i] ), sample.data(), std::min( 1.0, range / distance ), c.ends.data() + i * space.size() );
 	}
 	growth[side].tries += c.count;
-	validator.look( c.ends.data(), c.count, false, c.seen );
+	validator.look( c.ends.data(), c.count, LW_STATES_LANES, c.seen );
 }
 
 /// The smaller tree grows by the first of its candidates that can become a node, which then tries to reach the other tree.

@@ -95,28 +95,30 @@ public:
 	}
 
 	/// A quick look at states, in the lanes of vectors; where it decides few of them, only now and then.
-	/// @param q [count][variables], count <= lanes @param contact_only looks for contact alone; the first ends the look
+	/// @param q [count][variables], count <= lanes @param effort LANES; CONTACT, which becomes LANES where looks decide little; ALONG
 	/// @param seen [count]
-	void look( const double* q, unsigned count, bool contact_only, Seen* seen )
+	void look( const double* q, unsigned count, lw_states_effort effort, Seen* seen )
 	{
 		std::fill_n( seen, count, Seen{ LW_VERDICT_UNDECIDED, m_def.flags, false } );
 		if ( m_looked > warm_up && !decideSome() && m_skipped++ % rest != 0 )
 		{
 			return;
 		}
-		contact_only = contact_only && looksDecide();
+		const bool contact_only = effort == LW_STATES_CONTACT && looksDecide();
+		effort = effort == LW_STATES_CONTACT && !contact_only ? LW_STATES_LANES : effort;
 		m_statistics.lane_states += count;
 		lw_verdict verdicts[lanes];
 		lw_check_flags open[lanes];
-		note( lw_checker_states( m_checker, m_query, q, count, m_def.flags, m_def.min_d,
-		    contact_only ? LW_STATES_CONTACT : LW_STATES_LANES, verdicts, open ) );
+		note( lw_checker_states( m_checker, m_query, q, count, m_def.flags, m_def.min_d, effort, verdicts, open ) );
+		bool counts = !contact_only;
 		for ( unsigned i = 0; i < count; ++i )
 		{
 			seen[i] = { verdicts[i], open[i], !contact_only && ( open[i] & LW_CHECK_ENVIRONMENT ) != 0 };
-			m_looked += !contact_only;
-			m_left += !contact_only && verdicts[i] == LW_VERDICT_UNDECIDED && !( seen[i].near && fewNearAreFree() );
+			m_looked += counts;
+			m_left += counts && verdicts[i] == LW_VERDICT_UNDECIDED && !( seen[i].near && fewNearAreFree() );
 			if ( verdicts[i] == LW_VERDICT_BLOCKED )
 			{
+				counts = counts && effort != LW_STATES_ALONG; // the look may not have gone on
 				blame( q + i * lw_checker_variable_count( m_checker ) );
 			}
 		}
@@ -161,7 +163,7 @@ public:
 			space.between( a, b, ( i + 1.0 ) / ( inner + 1 ), m_state.data() + i * space.size() );
 		}
 		Seen seen[inner];
-		look( m_state.data(), inner, true, seen );
+		look( m_state.data(), inner, LW_STATES_CONTACT, seen );
 		if ( anyBlocked( seen, inner ) )
 		{
 			return false;

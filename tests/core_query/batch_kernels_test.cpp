@@ -368,10 +368,11 @@ TEST( BatchKernels, LevelOfStatesDiffersFromScalar )
 		{
 			lwi_batch_point point;
 			lwi_lane_motion stopped, body, motion, between;
-			uint8_t boxes[LWI_WIDTH];
+			std::uint64_t boxes;
 			uint32_t slabs;
 		};
 		std::vector<Output> outputs;
+		const std::uint64_t all = ~std::uint64_t{ 0 };
 		for ( const lwi_kernels* table : kernelLevels() )
 		{
 			Output o;
@@ -382,7 +383,7 @@ TEST( BatchKernels, LevelOfStatesDiffersFromScalar )
 			table->lane_point( &frame, t, t, &o.point );
 			EXPECT_TRUE( std::all_of(
 			    &o.point.displacement[0][0], &o.point.displacement[0][0] + 24, []( float d ) { return d == 0; } ) );
-			table->lane_boxes( &o.point, &box, 1, 0.7f, o.boxes );
+			table->lane_boxes( &o.point, &box, 1, 0.7f, &all, &o.boxes );
 			table->lane_body( &frame, r, t, &o.body );
 			table->lane_relative( &o.body, r, t, &o.motion );
 			lwi_lane_motion other;

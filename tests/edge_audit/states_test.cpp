@@ -7,6 +7,7 @@
 #include "same_bits.hpp"
 #include "simple_shapes.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -37,8 +38,29 @@ std::vector<double> randomStates( SeededRng& rng, const EdgeWorld& world, std::u
 struct Counts
 {
 	std::size_t free = 0, blocked = 0, undecided = 0;
-	std::size_t partly = 0; ///< undecided by one of the two tests only
+	std::size_t partly = 0;      ///< undecided by one of the two tests only
+	std::size_t passed_over = 0; ///< along a motion, since it is blocked before
 };
+
+/// States along a motion against LANES: equal up to the four that have the first BLOCKED state, open or equal from there on.
+void compareAlong( const EdgeWorld& world, const std::vector<lw_verdict>& looks, const std::vector<lw_check_flags>& open,
+    const std::vector<lw_verdict>& along, const std::vector<lw_check_flags>& open_along, lw_check_flags flags,
+    Counts& counts )
+{
+	const std::size_t first =
+	    static_cast<std::size_t>( std::find( looks.begin(), looks.end(), LW_VERDICT_BLOCKED ) - looks.begin() );
+	bool ended = first == looks.size();
+	for ( std::size_t i = 0; i < looks.size(); ++i )
+	{
+		const bool equal = along[i] == looks[i] && open_along[i] == open[i];
+		const bool passed_over = along[i] == LW_VERDICT_UNDECIDED && open_along[i] == flags;
+		EXPECT_TRUE( equal || ( i >= first / 4 * 4 && passed_over ) )
+		    << world.name << ", state " << i << ", first " << first;
+		ended = ended || ( i / 4 == first / 4 && along[i] == LW_VERDICT_BLOCKED );
+		counts.passed_over += !equal;
+	}
+	EXPECT_TRUE( ended ) << world.name << ": no state says that the motion is blocked";
+}
 
 /// Every answer for these states against that for one state.
 void compare( const EdgeWorld& world, const lw_checker* checker, const std::vector<double>& q, double min_d,
@@ -47,14 +69,17 @@ void compare( const EdgeWorld& world, const lw_checker* checker, const std::vect
 	const std::size_t n = world.variables.size();
 	const auto count = static_cast<std::uint32_t>( q.size() / n );
 	const QueryPtr many = makeQuery( checker ), single = makeQuery( checker );
-	std::vector<lw_verdict> looks( count ), contacts( count ), full( count );
-	std::vector<lw_check_flags> open( count ), left( count );
+	std::vector<lw_verdict> looks( count ), contacts( count ), full( count ), along( count );
+	std::vector<lw_check_flags> open( count ), left( count ), open_along( count );
 	ASSERT_EQ( LW_OK, lw_checker_states(
 	                      checker, many.get(), q.data(), count, flags, min_d, LW_STATES_LANES, looks.data(), open.data() ) );
 	ASSERT_EQ( LW_OK, lw_checker_states( checker, many.get(), q.data(), count, flags, min_d, LW_STATES_CONTACT,
 	                      contacts.data(), nullptr ) );
 	ASSERT_EQ( LW_OK,
 	    lw_checker_states( checker, many.get(), q.data(), count, flags, min_d, LW_STATES_FULL, full.data(), left.data() ) );
+	ASSERT_EQ( LW_OK, lw_checker_states( checker, many.get(), q.data(), count, flags, min_d, LW_STATES_ALONG, along.data(),
+	                      open_along.data() ) );
+	compareAlong( world, looks, open, along, open_along, flags, counts );
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
 		const double* state = q.data() + i * n;
@@ -174,8 +199,8 @@ TEST( States, AnswersDifferFromThoseOfSingleStates )
 			compare( world, checker, q, min_d, flags, counts );
 		}
 	}
-	std::printf( "free %zu, blocked %zu, undecided %zu, by one test %zu\n", counts.free, counts.blocked, counts.undecided,
-	    counts.partly );
+	std::printf( "free %zu, blocked %zu, undecided %zu, by one test %zu, passed over %zu\n", counts.free, counts.blocked,
+	    counts.undecided, counts.partly, counts.passed_over );
 	EXPECT_GT( counts.free, counts.undecided / 8 );
 	EXPECT_GT( counts.blocked, 5u );
 	EXPECT_GT( counts.partly, counts.undecided / 20 );
@@ -311,6 +336,28 @@ TEST( States, VertexOfNoTriangleIsContact )
 	EXPECT_EQ( LW_VERDICT_BLOCKED, slider.look( 3 ) );
 }
 
+TEST( States, StatesBeforeABlockedOneAreLost )
+{
+	const Slider slider( cube( 0.1, false ), primitive( LW_SHAPE_BOX, 0.4, 0.4, 0.4 ), shifted( 0 ) );
+	const QueryPtr query = makeQuery( slider.checker );
+	for ( std::uint32_t blocked = 0; blocked < 20; ++blocked )
+	{
+		double q[20];
+		std::fill_n( q, 20, 1.0 );
+		q[blocked] = 0;
+		lw_verdict along[20];
+		lw_check_flags open[20];
+		ASSERT_EQ(
+		    LW_OK, lw_checker_states( slider.checker, query.get(), q, 20, LW_CHECK_BOTH, 0, LW_STATES_ALONG, along, open ) );
+		for ( std::uint32_t i = 0; i < 20; ++i )
+		{
+			const lw_verdict other = i < blocked / 4 * 4 ? LW_VERDICT_FREE : LW_VERDICT_UNDECIDED;
+			EXPECT_EQ( i == blocked ? LW_VERDICT_BLOCKED : other, along[i] ) << i << " of those with " << blocked;
+			EXPECT_EQ( along[i] == LW_VERDICT_UNDECIDED ? LW_CHECK_BOTH : 0, open[i] ) << i << " of those with " << blocked;
+		}
+	}
+}
+
 TEST( States, BadStatesReadAsFree )
 {
 	const Slider slider( cube( 0.1, false ), primitive( LW_SHAPE_BOX, 0.2, 0.2, 0.2 ), shifted( 0 ) );
@@ -345,7 +392,7 @@ TEST( States, BadStatesReadAsFree )
 	const lw_status bad_argument = LW_ERROR_INVALID_ARGUMENT;
 	EXPECT_EQ( bad_argument, states( slider.checker, query.get(), 1, LW_CHECK_BOTH, 0, LW_STATES_FULL, nullptr ) );
 	EXPECT_EQ( bad_argument, states( slider.checker, query.get(), 1, LW_CHECK_BOTH, 0, 0, &out ) );
-	EXPECT_EQ( bad_argument, states( slider.checker, query.get(), 1, LW_CHECK_BOTH, 0, LW_STATES_FULL + 1, &out ) );
+	EXPECT_EQ( bad_argument, states( slider.checker, query.get(), 1, LW_CHECK_BOTH, 0, LW_STATES_ALONG + 1, &out ) );
 	for ( const double bad : { nan, -1.0, inf } )
 	{
 		out = LW_VERDICT_FREE;

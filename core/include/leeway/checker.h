@@ -242,7 +242,10 @@ typedef enum lw_states_effort
 {
 	LW_STATES_CONTACT = 1, ///< contact with the scene only: no state is FREE, and the first BLOCKED one ends the call
 	LW_STATES_LANES = 2,   ///< eight states at a time in the lanes of vectors; those that need more are UNDECIDED
-	LW_STATES_FULL = 3     ///< lanes, then lw_checker_is_free() for each state that they leave undecided
+	LW_STATES_FULL = 3,    ///< lanes, then lw_checker_is_free() for each state that they leave undecided
+	/// LANES for states along a motion, of which only those before the first BLOCKED one matter: states of the same four (0 to
+	/// 3, 4 to 7 ..) as a BLOCKED one, and all behind them, may be left UNDECIDED
+	LW_STATES_ALONG = 4
 } lw_states_effort;
 
 /// lw_checker_is_free() of many states, eight at a time in the lanes of vectors: the spheres of meshes prove states free, and

@@ -240,3 +240,12 @@ const lwi_batch_point* lwi_lane_body( const lw_checker* checker, lw_query* query
 	}
 	return point;
 }
+
+void lwi_lane_axes( const lw_checker* c, const lw_query* query, uint32_t body, const double point[3], lwi_lane_motion* out )
+{
+	const lwi_cluster_tree* tree = c->base->tree;
+	const lw_transform* pose = &tree->body_poses[tree->body_place[body]];
+	const lw_vec3 at = lwi_transform( pose, lwi_load( point ) );
+	const double t[3] = { at.x, at.y, at.z };
+	query->search.kernels->lane_body( &query->scratch.lane_poses[tree->body_cluster[body]], pose->r, t, out );
+}

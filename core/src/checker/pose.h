@@ -98,6 +98,10 @@ void lwi_pose_lane_spheres( const lw_checker* checker, lw_query* query, double h
 /// The centre of a body's sphere likewise, by its place in the tree; posed at the first call. @param half as there
 const lwi_batch_point* lwi_lane_body( const lw_checker* checker, lw_query* query, uint32_t place, double half );
 
+/// The axes of a body in the lanes at rest, at a point of its shape.
+void lwi_lane_axes( const lw_checker* checker, const lw_query* query, uint32_t body, const double point[3],
+	lwi_lane_motion* out );
+
 /// An obstacle of a body, and lanes in which nothing proves that they stay apart.
 typedef struct lwi_open_obstacle
 {

@@ -5,6 +5,8 @@
 // Thomason, Kingston, Kavraki: Motions in Microseconds via Vectorized Sampling-Based Planning, ICRA 2024, has states of an edge in
 // the lanes, against spheres made by hand. Here the spheres are those of the meshes' trees, opened until they prove a lane free,
 // and vertices of the meshes inside of obstacles prove lanes blocked. Proof and rounding: core/docs/states.md.
+#include "checker/lane_states.h"
+
 #include "checker/pose.h"
 #include "base/math_inline.h"
 #include "scene/scene.h"
@@ -21,6 +23,9 @@ enum
 
 /// Metres of pose rounding; lanes leave states with more UNDECIDED.
 #define MOST_ROUNDING 1e-3
+
+/// A number times this has it in each byte.
+#define EACH_BYTE UINT64_C( 0x0101010101010101 )
 
 /// Roundoff of float, in units of that of double.
 #define FLOAT_ROUNDOFF 0x1p29
@@ -39,29 +44,6 @@ typedef struct primitive_test
 	uint32_t lanes; ///< in which the tree is to be opened
 } primitive_test;
 
-typedef struct lane_states
-{
-	const lw_checker* checker;
-	lw_query* query;
-	const lwi_kernels* kernels;
-	const lwi_cluster_tree* tree;
-	const lwi_lane_motion* poses; ///< [clusters] from `origin`
-	const double* origin;         ///< [3] the standing links' place in the world
-	double off;                   ///< metres: points are no farther from their places
-	double needed;                ///< metres: distance that proves a pair, without margins and the rounding of floats
-	double reach;                 ///< metres: no point of the robot is farther from `origin`
-	double scene[3];              ///< the scene's origin, from `origin`
-	double scene_size;            ///< no coordinate of a body, or of an obstacle's box, from the scene's origin is larger
-	bool near_only;               ///< obstacles outside of near_mask are farther
-	bool covered;                 ///< the reach's tables hold in all lanes
-	bool contact_only;            ///< nothing is proved free, and a lane in contact ends all
-	uint32_t all;                 ///< lanes with states
-	uint32_t left;                ///< lanes not known to be blocked
-	uint32_t unsure[2];           ///< of these, lanes in which a pair with the scene, or of the robot itself, is not decided
-	primitive_test* waiting;      ///< [MOST_WAITING + 1], the last for a test that does not wait
-	uint32_t waiting_count;
-} lane_states;
-
 /// Bodies against the scene: the one at work.
 typedef struct lane_body
 {
@@ -74,7 +56,7 @@ typedef struct lane_body
 // --- poses -----------------------------------------------------------------------------------------------------------
 
 /// Bounds of the states in the lanes, and if ranges hold for all of them. False if poses round too much for lanes.
-static bool bound_states( lane_states* s, const double* q, uint32_t count, double* rounding )
+static bool bound_states( lwi_lane_states* s, const double* q, uint32_t count, double* rounding )
 {
 	const lwi_checker_base* base = s->checker->base;
 	const uint32_t variables = base->group.variable_count;
@@ -101,7 +83,7 @@ static bool bound_states( lane_states* s, const double* q, uint32_t count, doubl
 }
 
 /// Sets the values of the joints of one lane.
-static void take_state( const lane_states* s, const double* q, uint32_t lane )
+static void take_state( const lwi_lane_states* s, const double* q, uint32_t lane )
 {
 	const lwi_checker_base* base = s->checker->base;
 	double* state = s->query->pose.state;
@@ -119,22 +101,11 @@ static void take_state( const lane_states* s, const double* q, uint32_t lane )
 
 // --- the scene -------------------------------------------------------------------------------------------------------
 
-/// The axes of a body in the lanes, at a point of its shape.
-static void pose_axes( const lw_checker* c, const lw_query* query, uint32_t body, const double point[3],
-	lwi_lane_motion* out )
-{
-	const lwi_cluster_tree* tree = c->base->tree;
-	const lw_transform* pose = &tree->body_poses[tree->body_place[body]];
-	const lw_vec3 at = lwi_transform( pose, lwi_load( point ) );
-	const double t[3] = { at.x, at.y, at.z };
-	query->search.kernels->lane_body( &query->scratch.lane_poses[tree->body_cluster[body]], pose->r, t, out );
-}
-
-static void pose_body( const lane_states* s, lane_body* b )
+static void pose_body( const lwi_lane_states* s, lane_body* b )
 {
 	if ( !b->posed )
 	{
-		pose_axes( s->checker, s->query, b->body, b->shape->origin, &b->pose );
+		lwi_lane_axes( s->checker, s->query, b->body, b->shape->origin, &b->pose );
 		b->posed = true;
 	}
 }
@@ -155,7 +126,7 @@ static lwi_motion motion_of( const lwi_lane_motion* lanes, uint32_t lane )
 }
 
 /// True if an item of a leaf is near.
-static bool leaf_meets( const lane_states* s, const primitive_test* q, lwi_ref ref, const lwi_motion* motion )
+static bool leaf_meets( const lwi_lane_states* s, const primitive_test* q, lwi_ref ref, const lwi_motion* motion )
 {
 	const uint32_t index = lwi_ref_index( ref ), real = lwi_low_bits( lwi_ref_count( ref ) );
 	float gap[LWI_WIDTH];
@@ -167,7 +138,7 @@ static bool leaf_meets( const lane_states* s, const primitive_test* q, lwi_ref r
 }
 
 /// Lanes in which the faces of the two boxes do not prove the body away from the primitive.
-static uint32_t boxes_meet( const lane_states* s, const primitive_test* q )
+static uint32_t boxes_meet( const lwi_lane_states* s, const primitive_test* q )
 {
 	float middle[3], half[3];
 	for ( int i = 0; i < 3; ++i )
@@ -179,7 +150,7 @@ static uint32_t boxes_meet( const lane_states* s, const primitive_test* q )
 }
 
 /// Children of a node that are near.
-static uint32_t node_meets( const lane_states* s, const primitive_test* q, lwi_ref ref, const lwi_motion* motion )
+static uint32_t node_meets( const lwi_lane_states* s, const primitive_test* q, lwi_ref ref, const lwi_motion* motion )
 {
 	float gap[LWI_WIDTH];
 	return s->kernels->node_primitive_gap( &q->shape->nodes[ref], motion, &q->primitive, q->limit, gap );
@@ -187,7 +158,7 @@ static uint32_t node_meets( const lane_states* s, const primitive_test* q, lwi_r
 
 /// Lanes, of these, in which some child of the tree's root is near. Bodies are near an obstacle in one or two lanes of a look, so from here on
 /// lanes come one by one, and eight children, items or points at once.
-static uint32_t root_meets( const lane_states* s, const primitive_test* q, uint32_t lanes )
+static uint32_t root_meets( const lwi_lane_states* s, const primitive_test* q, uint32_t lanes )
 {
 	uint32_t met = lwi_ref_is_leaf( q->shape->root ) ? lanes : 0;
 	for ( lanes &= ~met; lanes != 0; lanes &= lanes - 1 )
@@ -200,7 +171,7 @@ static uint32_t root_meets( const lane_states* s, const primitive_test* q, uint3
 }
 
 /// False if the tree proves the body away from the primitive in a lane.
-static bool lane_meets( const lane_states* s, const primitive_test* q, uint32_t lane )
+static bool lane_meets( const lwi_lane_states* s, const primitive_test* q, uint32_t lane )
 {
 	const lwi_motion motion = motion_of( &q->motion, lane );
 	lwi_ref stack[MOST_HEIGHT];
@@ -222,7 +193,7 @@ static bool lane_meets( const lane_states* s, const primitive_test* q, uint32_t 
 }
 
 /// Lanes, of these, in which the tree does not prove the body away from the primitive.
-static uint32_t tree_meets( const lane_states* s, const primitive_test* q, uint32_t lanes )
+static uint32_t tree_meets( const lwi_lane_states* s, const primitive_test* q, uint32_t lanes )
 {
 	uint32_t met = 0;
 	for ( ; lanes != 0; lanes &= lanes - 1 )
@@ -234,7 +205,7 @@ static uint32_t tree_meets( const lane_states* s, const primitive_test* q, uint3
 
 /// Lanes, of these, in which a vertex of the body, or a point of a body without vertices, is inside of the primitive.
 /// @param most blocks of points
-static uint32_t points_inside( const lane_states* s, const primitive_test* q, uint32_t most, uint32_t lanes )
+static uint32_t points_inside( const lwi_lane_states* s, const primitive_test* q, uint32_t most, uint32_t lanes )
 {
 	lwi_primitive inner = { .type = q->primitive.type };
 	const int sizes = inner.type == LW_SHAPE_BOX ? 3 : 2;
@@ -270,11 +241,12 @@ static bool tree_is_all( const lw_shape* body, const double size[3], lw_shape_ty
 }
 
 /// Poses a body against an obstacle, with the limit of its distance and its slack. @return false for obstacles that have no test in the lanes
-static bool make_test( const lane_states* s, lane_body* b, uint32_t shape, primitive_test* q )
+static bool make_test( const lwi_lane_states* s, lane_body* b, uint32_t shape, primitive_test* q )
 {
 	const lw_scene_shape_def* obstacle = &s->checker->scene->shapes[shape];
 	const lw_shape* solid = obstacle->shape;
-	if ( !solid->primitive || solid->type == LW_SHAPE_CONE || ( s->contact_only && solid->family != LWI_CONVEX ) )
+	if ( !solid->primitive || solid->type == LW_SHAPE_CONE ||
+		 ( s->effort == LW_STATES_CONTACT && solid->family != LWI_CONVEX ) )
 	{
 		return false;
 	}
@@ -300,14 +272,14 @@ static bool make_test( const lane_states* s, lane_body* b, uint32_t shape, primi
 }
 
 /// Lanes, of these, in which a body is not proved away from an obstacle by their boxes, and the first spheres of its tree.
-static uint32_t bounds_meet( const lane_states* s, const primitive_test* q, uint32_t lanes )
+static uint32_t bounds_meet( const lwi_lane_states* s, const primitive_test* q, uint32_t lanes )
 {
 	lanes = q->bounded ? lanes & boxes_meet( s, q ) : lanes;
 	return q->tree_is_all && lanes != 0 ? root_meets( s, q, lanes ) : lanes;
 }
 
 /// A body against an obstacle that its sphere meets in these lanes.
-static void meet_obstacle( lane_states* s, lane_body* b, uint32_t shape, uint32_t lanes )
+static void meet_obstacle( lwi_lane_states* s, lane_body* b, uint32_t shape, uint32_t lanes )
 {
 	primitive_test* q = &s->waiting[s->waiting_count];
 	if ( !make_test( s, b, shape, q ) )
@@ -322,7 +294,7 @@ static void meet_obstacle( lane_states* s, lane_body* b, uint32_t shape, uint32_
 		s->left &= ~blocked;
 		lanes &= ~blocked;
 	}
-	lanes = s->contact_only ? 0 : lanes & ~s->unsure[0];
+	lanes = s->effort == LW_STATES_CONTACT ? 0 : lanes & ~s->unsure[0];
 	if ( q->tree_is_all && lanes != 0 && s->waiting_count < MOST_WAITING )
 	{
 		q->lanes = lanes;
@@ -351,31 +323,32 @@ static uint8_t meet_unbounded( const lw_scene* scene, const lwi_batch_point* poi
 }
 
 /// Number of blocks of the obstacles in use.
-static uint32_t block_count( const lane_states* s )
+static uint32_t block_count( const lwi_lane_states* s )
 {
 	return s->near_only ? s->checker->culling.near_block_count : s->checker->scene->block_count;
 }
 
-/// Lanes in which a sphere of a cluster's frame comes near to obstacles: near[shape], in the query's row.
-static uint8_t* meet_boxes( const lane_states* s, uint32_t cluster, const lw_sphere* sphere )
+/// Obstacles to which a sphere of a cluster's frame comes near, in the form of lane_boxes().
+static void meet_boxes( const lwi_lane_states* s, uint32_t cluster, const lw_sphere* sphere, const uint64_t* among,
+	uint64_t* near )
 {
 	const lw_scene* scene = s->checker->scene;
 	const lwi_margins* m = s->checker->margins;
 	const uint32_t blocks = block_count( s );
 	lwi_batch_point point;
-	uint8_t* near = (uint8_t*)s->query->scratch.row;
 	s->kernels->lane_point( &s->poses[cluster], sphere->center, s->scene, &point );
 	const double slack = lwi_gap_slack( 2 * ( s->scene_size + sphere->radius ) );
 	const double reach = sphere->radius + s->needed + ( m != NULL ? m->largest : 0 ) + slack;
-	s->kernels->lane_boxes( &point, scene->boxes, blocks, lwi_round_up( reach ), near );
+	s->kernels->lane_boxes( &point, scene->boxes, blocks, lwi_round_up( reach ), among, near );
 	for ( uint32_t i = 0; i < scene->unbounded_count && scene->unbounded[i] < blocks * LWI_WIDTH; ++i )
 	{
-		near[scene->unbounded[i]] = meet_unbounded( scene, &point, scene->unbounded[i], reach );
+		const uint32_t shape = scene->unbounded[i], block = shape / LWI_WIDTH, shift = LWI_WIDTH * ( shape % LWI_WIDTH );
+		const uint64_t lanes = (uint64_t)meet_unbounded( scene, &point, shape, reach ) << shift;
+		near[block] = ( near[block] & ~( (uint64_t)0xff << shift ) ) | ( among[block] & lanes );
 	}
-	return near;
 }
 
-static void body_environment( lane_states* s, uint32_t place )
+static void body_environment( lwi_lane_states* s, uint32_t place )
 {
 	const lw_checker* c = s->checker;
 	lane_body b;
@@ -384,18 +357,17 @@ static void body_environment( lane_states* s, uint32_t place )
 	b.shape = lwi_shape_now( c->base->bodies[b.body].shape );
 	const uint8_t* masks =
 		( s->near_only ? c->culling.near_mask : c->environment.mask ) + (size_t)b.body * c->scene->block_count;
-	const uint8_t* near = meet_boxes( s, s->tree->body_cluster[b.body], &s->tree->body_spheres[place] );
-	const uint64_t left = s->left * 0x0101010101010101u; // a byte for each obstacle of a block
+	meet_boxes( s, s->tree->body_cluster[b.body], &s->tree->body_spheres[place], s->near_cluster, s->near_body );
+	const uint64_t left = s->left * EACH_BYTE;
 	for ( uint32_t block = 0; block < block_count( s ); ++block )
 	{
-		uint64_t met;
-		memcpy( &met, near + (size_t)block * LWI_WIDTH, sizeof( met ) );
+		const uint64_t met = s->near_body[block];
 		for ( uint32_t mask = ( met & left ) != 0 ? masks[block] : 0; mask != 0; mask &= mask - 1 )
 		{
-			const uint32_t shape = block * LWI_WIDTH + lwi_lowest_bit( mask ), lanes = near[shape] & s->left;
+			const uint32_t k = lwi_lowest_bit( mask ), lanes = (uint32_t)( met >> LWI_WIDTH * k ) & s->left;
 			if ( lanes != 0 )
 			{
-				meet_obstacle( s, &b, shape, lanes );
+				meet_obstacle( s, &b, block * LWI_WIDTH + k, lanes );
 			}
 		}
 	}
@@ -404,7 +376,7 @@ static void body_environment( lane_states* s, uint32_t place )
 uint32_t lwi_lanes_near_obstacles( const lw_checker* c, lw_query* query, uint32_t body, double needed, double reach,
 	lwi_open_obstacle* obstacles, uint32_t count, uint32_t* out_unsure )
 {
-	const lane_states s = { .checker = c,
+	const lwi_lane_states s = { .checker = c,
 		.query = query,
 		.kernels = query->search.kernels,
 		.tree = c->base->tree,
@@ -430,40 +402,48 @@ uint32_t lwi_lanes_near_obstacles( const lw_checker* c, lw_query* query, uint32_
 	return met;
 }
 
-/// True if the sphere of a cluster with several bodies meets some obstacle in some lane.
-static bool cluster_is_near( const lane_states* s, uint32_t cluster )
+static void all_left( const lwi_lane_states* s, uint64_t* near )
 {
-	const uint8_t* near = meet_boxes( s, cluster, &s->tree->clusters[cluster].r );
-	uint32_t lanes = 0;
-	for ( uint32_t i = 0; i < block_count( s ) * LWI_WIDTH; ++i )
+	for ( uint32_t block = 0; block < block_count( s ); ++block )
 	{
-		lanes |= near[i];
+		near[block] = s->left * EACH_BYTE;
 	}
-	return ( lanes & s->left ) != 0;
 }
 
-/// False once all lanes are blocked; one is enough where only contact is looked for.
-static bool goes_on( const lane_states* s )
+/// Obstacles among which those near a cluster's bodies are: all, or those that the sphere of several bodies meets.
+/// @return false if there are none
+static bool cluster_is_near( const lwi_lane_states* s, uint32_t cluster )
 {
-	return s->contact_only ? s->left == s->all : s->left != 0;
+	if ( s->tree->clusters[cluster].body_count <= 1 )
+	{
+		all_left( s, s->near_cluster );
+		return true;
+	}
+	all_left( s, s->near_body );
+	meet_boxes( s, cluster, &s->tree->clusters[cluster].r, s->near_body, s->near_cluster );
+	uint64_t met = 0;
+	for ( uint32_t block = 0; block < block_count( s ); ++block )
+	{
+		met |= s->near_cluster[block];
+	}
+	return met != 0;
 }
 
-static void lanes_environment( lane_states* s )
+static void lanes_environment( lwi_lane_states* s )
 {
 	const lw_checker* c = s->checker;
 	if ( c->environment.pair_count == 0 )
 	{
 		return;
 	}
-	for ( uint32_t i = s->tree->cluster_count; i-- > 1 && goes_on( s ); )
+	for ( uint32_t i = s->tree->cluster_count; i-- > 1 && lwi_lanes_wanted( s ) != 0; )
 	{
 		const lwi_cluster* cluster = &s->tree->clusters[i];
-		if ( ( c->environment.clusters[i] & LWI_CLUSTER_CHECKED ) == 0 ||
-			 ( cluster->body_count > 1 && !cluster_is_near( s, i ) ) )
+		if ( ( c->environment.clusters[i] & LWI_CLUSTER_CHECKED ) == 0 || !cluster_is_near( s, i ) )
 		{
 			continue;
 		}
-		for ( uint32_t k = 0; k < cluster->body_count && goes_on( s ); ++k )
+		for ( uint32_t k = 0; k < cluster->body_count && lwi_lanes_wanted( s ) != 0; ++k )
 		{
 			body_environment( s, cluster->first_body + k );
 		}
@@ -471,137 +451,15 @@ static void lanes_environment( lane_states* s )
 	// most lanes in contact are known by now: their trees are not opened
 	for ( uint32_t i = 0; i < s->waiting_count; ++i )
 	{
-		const uint32_t lanes = s->waiting[i].lanes & s->left & ~s->unsure[0];
+		const uint32_t lanes = s->waiting[i].lanes & lwi_lanes_wanted( s ) & ~s->unsure[0];
 		s->unsure[0] |= lanes != 0 ? tree_meets( s, &s->waiting[i], lanes ) : 0;
-	}
-}
-
-// --- the robot itself ------------------------------------------------------------------------------------------------
-
-/// The box around a body in the lanes: its middle and axes. @param half [3] @return the sum of these
-static double pose_box( const lw_checker* c, const lw_query* query, uint32_t body, lwi_lane_motion* out, float* half )
-{
-	const lw_shape* shape = c->base->bodies[body].shape;
-	double middle[3], size = 0;
-	for ( int i = 0; i < 3; ++i )
-	{
-		middle[i] = 0.5 * ( shape->box_min[i] + shape->box_max[i] );
-		half[i] = lwi_round_up( 0.5 * ( shape->box_max[i] - shape->box_min[i] ) );
-		size += (double)half[i];
-	}
-	pose_axes( c, query, body, middle, out );
-	return size;
-}
-
-uint32_t lwi_lanes_near_bodies( const lw_checker* c, lw_query* query, uint32_t body_a, uint32_t body_b, double needed,
-	double reach, uint32_t lanes )
-{
-	static const float middle[3] = { 0, 0, 0 };
-	lwi_lane_motion a, b, b_from_a;
-	lwi_primitive box = { .type = LW_SHAPE_BOX };
-	float half[3];
-	const double size = pose_box( c, query, body_a, &a, half ) + pose_box( c, query, body_b, &b, box.size );
-	if ( !( size < INFINITY ) ) // an unbounded one
-	{
-		return lanes;
-	}
-	query->search.kernels->lane_between( &a, &b, &b_from_a );
-	const float limit = lwi_round_up( needed + lwi_gap_slack( 2 * ( reach + size ) ) );
-	return lanes & query->search.kernels->lane_slabs( &b_from_a, middle, half, &box, limit );
-}
-
-/// Lanes, of these, in which a pair of bodies (numbers within their clusters) is not proved apart by a grid or by boxes.
-static uint32_t pair_meets( const lane_states* s, const double* q, const lwi_cluster_pair* pair, uint32_t rank_a,
-	uint32_t rank_b, uint32_t lanes )
-{
-	const lwi_cluster_tree* tree = s->tree;
-	const size_t index = pair->first + (size_t)rank_a * tree->clusters[pair->cluster_b].body_count + rank_b;
-	const uint32_t slice = s->covered && tree->grids.slice_count > 0 ? tree->grids.pair_slices[index] : LW_INVALID_INDEX;
-	const lwi_group* group = &s->checker->base->group;
-	uint32_t met = lanes;
-	for ( ; slice != LW_INVALID_INDEX && lanes != 0; lanes &= lanes - 1 )
-	{
-		const uint32_t lane = lwi_lowest_bit( lanes );
-		for ( uint32_t i = 0; i < group->variable_count; ++i )
-		{
-			s->query->pose.state[group->variables[i]] = q[(size_t)lane * group->variable_count + i];
-		}
-		const double separation = lwi_grid_at( &tree->grids.slices[slice], tree->grids.spacings, s->query->pose.state );
-		met &= separation - (double)pair->margin >= s->needed ? ~( 1u << lane ) : ~0u;
-	}
-	const uint32_t a = tree->bodies[tree->clusters[pair->cluster_a].first_body + rank_a],
-				   b = tree->bodies[tree->clusters[pair->cluster_b].first_body + rank_b];
-	return met == 0
-			   ? 0
-			   : lwi_lanes_near_bodies( s->checker, s->query, a, b, s->needed + (double)pair->margin, 2 * s->reach, met );
-}
-
-/// Lanes in which two spheres may be nearer than the pair's margin allows.
-static uint32_t spheres_meet( const lane_states* s, const lwi_cluster_pair* pair, const lwi_batch_point* a, double radius_a,
-	const lwi_batch_point* b, double radius_b )
-{
-	const double slack = lwi_gap_slack( 2 * ( 2 * s->reach + radius_a + radius_b ) );
-	return s->kernels->batch_pair( a, b, lwi_round_up( radius_a + radius_b + s->needed + (double)pair->margin + slack ) );
-}
-
-/// @param q [lanes][variables]
-static void meet_clusters( lane_states* s, const double* q, const lwi_cluster_pair* pair, uint32_t lanes )
-{
-	const lwi_cluster_tree* tree = s->tree;
-	const lwi_cluster *a = &tree->clusters[pair->cluster_a], *b = &tree->clusters[pair->cluster_b];
-	for ( uint32_t i = 0; i < a->body_count; ++i )
-	{
-		const uint32_t place_a = a->first_body + i;
-		const double radius_a = tree->body_spheres[place_a].radius;
-		const lwi_batch_point* point_a = lwi_lane_body( s->checker, s->query, place_a, 0 );
-		const uint32_t near = lanes & spheres_meet( s, pair, point_a, radius_a,
-										  &s->query->scratch.lane_spheres[pair->cluster_b], b->r.radius );
-		for ( uint32_t k = 0; k < b->body_count && near != 0; ++k )
-		{
-			const float separation = tree->self.separations[pair->first + (size_t)i * b->body_count + k];
-			if ( separation == INFINITY || ( s->covered && (double)separation >= s->needed ) )
-			{
-				continue;
-			}
-			const uint32_t place_b = b->first_body + k;
-			const uint32_t met = near & ~s->unsure[1] &
-								 spheres_meet( s, pair, point_a, radius_a, lwi_lane_body( s->checker, s->query, place_b, 0 ),
-									 tree->body_spheres[place_b].radius );
-			s->unsure[1] |= met != 0 ? pair_meets( s, q, pair, i, k, met ) : 0;
-		}
-	}
-}
-
-static void lanes_self( lane_states* s, const double* q )
-{
-	const lwi_cluster_tree* tree = s->tree;
-	if ( tree->self.pair_count == 0 || ( s->covered && (double)tree->self.proxies.separation >= s->needed ) )
-	{
-		return;
-	}
-	const lwi_batch_point* points = s->query->scratch.lane_spheres;
-	lwi_pose_lane_spheres( s->checker, s->query, 0 );
-	for ( uint32_t i = 0; i < tree->self.pair_count && ( s->left & ~s->unsure[1] ) != 0; ++i )
-	{
-		const lwi_cluster_pair* pair = &tree->self.pairs[i];
-		if ( s->covered && (double)pair->separation >= s->needed )
-		{
-			continue;
-		}
-		const uint32_t lanes = s->left & ~s->unsure[1] &
-							   spheres_meet( s, pair, &points[pair->cluster_a], tree->clusters[pair->cluster_a].r.radius,
-								   &points[pair->cluster_b], tree->clusters[pair->cluster_b].r.radius );
-		if ( lanes != 0 )
-		{
-			meet_clusters( s, q, pair, lanes );
-		}
 	}
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
 
 /// Decides lanes of up to LWI_WIDTH states. @return false if lanes cannot decide them
-static bool test_lanes( lane_states* s, const double* q, uint32_t count, lw_check_flags flags, double min_d )
+static bool test_lanes( lwi_lane_states* s, const double* q, uint32_t count, lw_check_flags flags, double min_d )
 {
 	const lw_checker* c = s->checker;
 	const double above = lw_range_threshold( min_d ).max_d;
@@ -636,10 +494,9 @@ static bool test_lanes( lane_states* s, const double* q, uint32_t count, lw_chec
 		lanes_environment( s );
 		s->waiting = NULL;
 	}
-	// contact with itself is not looked for
-	if ( ( flags & LW_CHECK_SELF ) != 0 && !c->self_unchanged && s->left != 0 && !s->contact_only )
+	if ( ( flags & LW_CHECK_SELF ) != 0 && !c->self_unchanged && s->effort != LW_STATES_CONTACT )
 	{
-		lanes_self( s, q );
+		lwi_lanes_self( s, q );
 	}
 	return true;
 }
@@ -653,16 +510,18 @@ static bool has_lanes( const lw_checker* c, lw_check_flags flags, double min_d )
 
 /// Tests up to LWI_WIDTH states in lanes. In the result, `left` has the lanes that are not blocked, `unsure` those of them with a
 /// pair that is not decided.
-static lane_states test_block( const lw_checker* c, lw_query* query, const double* q, uint32_t count, lw_check_flags flags,
-	double min_d, bool contact_only )
+static lwi_lane_states test_block( const lw_checker* c, lw_query* query, const double* q, uint32_t count,
+	lw_check_flags flags, double min_d, lw_states_effort effort )
 {
-	lane_states s = { .checker = c,
+	lwi_lane_states s = { .checker = c,
 		.query = query,
 		.kernels = query->search.kernels,
 		.tree = c->base->tree,
 		.poses = query->scratch.lane_poses,
 		.origin = lwi_lanes_origin( c ),
-		.contact_only = contact_only,
+		.near_cluster = query->scratch.lane_blocks,
+		.near_body = query->scratch.lane_blocks + lwi_padded( query->capacity.shapes ) / LWI_WIDTH,
+		.effort = effort,
 		.all = lwi_low_bits( count ),
 		.left = lwi_low_bits( count ) };
 	if ( !has_lanes( c, flags, min_d ) || !test_lanes( &s, q, count, flags, min_d ) )
@@ -674,7 +533,7 @@ static lane_states test_block( const lw_checker* c, lw_query* query, const doubl
 }
 
 /// Tests that a lane leaves undecided.
-static lw_check_flags open_tests( const lane_states* s, uint32_t lane )
+static lw_check_flags open_tests( const lwi_lane_states* s, uint32_t lane )
 {
 	return (lw_check_flags)( ( ( s->unsure[0] >> lane & 1 ) != 0 ? (uint32_t)LW_CHECK_ENVIRONMENT : 0u ) |
 							 ( ( s->unsure[1] >> lane & 1 ) != 0 ? (uint32_t)LW_CHECK_SELF : 0u ) );
@@ -735,13 +594,14 @@ static lw_status check_open( const lw_checker* checker, lw_query* query, const d
 }
 
 /// Verdicts of a block of states by lanes, and the tests that they leave open.
-static void take_verdicts( const lane_states* s, uint32_t count, lw_check_flags flags, lw_verdict* out,
+static void take_verdicts( const lwi_lane_states* s, uint32_t count, lw_check_flags flags, lw_verdict* out,
 	lw_check_flags* open )
 {
 	for ( uint32_t lane = 0; lane < count; ++lane )
 	{
 		const bool left = ( s->left >> lane & 1 ) != 0;
-		open[lane] = !left ? (lw_check_flags)0 : s->contact_only ? flags : open_tests( s, lane );
+		const bool decided = s->effort != LW_STATES_CONTACT && ( lwi_lanes_wanted( s ) >> lane & 1 ) != 0;
+		open[lane] = !left ? (lw_check_flags)0 : decided ? open_tests( s, lane ) : flags;
 		out[lane] = !left ? LW_VERDICT_BLOCKED : open[lane] != 0 ? LW_VERDICT_UNDECIDED : LW_VERDICT_FREE;
 	}
 }
@@ -749,7 +609,7 @@ static void take_verdicts( const lane_states* s, uint32_t count, lw_check_flags 
 lw_status lw_checker_states( const lw_checker* checker, lw_query* query, const double* q, uint32_t count,
 	lw_check_flags flags, double min_d, lw_states_effort effort, lw_verdict* out, lw_check_flags* out_open )
 {
-	if ( ( out == NULL && count > 0 ) || effort < LW_STATES_CONTACT || effort > LW_STATES_FULL )
+	if ( ( out == NULL && count > 0 ) || effort < LW_STATES_CONTACT || effort > LW_STATES_ALONG )
 	{
 		return LW_ERROR_INVALID_ARGUMENT;
 	}
@@ -760,7 +620,7 @@ lw_status lw_checker_states( const lw_checker* checker, lw_query* query, const d
 	{
 		const uint32_t some = count - start < LWI_WIDTH ? count - start : LWI_WIDTH;
 		const double* these = q + (size_t)start * checker->base->group.variable_count;
-		const lane_states s = test_block( checker, query, these, some, flags, min_d, effort == LW_STATES_CONTACT );
+		const lwi_lane_states s = test_block( checker, query, these, some, flags, min_d, effort );
 		lw_check_flags open[LWI_WIDTH];
 		take_verdicts( &s, some, flags, out + start, open );
 		if ( effort == LW_STATES_FULL )
@@ -771,7 +631,7 @@ lw_status lw_checker_states( const lw_checker* checker, lw_query* query, const d
 		{
 			out_open[start + i] = out[start + i] == LW_VERDICT_UNDECIDED ? open[i] : (lw_check_flags)0;
 		}
-		stop = effort == LW_STATES_CONTACT && s.left != s.all;
+		stop = effort != LW_STATES_LANES && effort != LW_STATES_FULL && s.left != s.all;
 	}
 	if ( status != LW_OK )
 	{

@@ -58,6 +58,7 @@ static size_t lay_out( lw_query* q, void* block, size_t* out_cleared )
 	q->scratch.lane_spheres = lwi_arena_take( &arena, q->capacity.links, sizeof( lwi_batch_point ) );
 	q->scratch.lane_bodies = lwi_arena_take( &arena, q->capacity.bodies, sizeof( lwi_batch_point ) );
 	q->scratch.lane_body_is_posed = lwi_arena_take( &arena, q->capacity.bodies, sizeof( bool ) );
+	q->scratch.lane_blocks = lwi_arena_take( &arena, lwi_padded( q->capacity.shapes ) / LWI_WIDTH, sizeof( uint64_t[2] ) );
 	*out_cleared = arena.used;
 	const bool robot = q->capacity.bodies > 0;
 	q->cache.near = lwi_arena_take( &arena, robot ? 1u << LWI_NEAR_BITS : 0, sizeof( lwi_near_memory ) );

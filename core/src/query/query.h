@@ -104,6 +104,7 @@ typedef struct lwi_query_scratch
 	lwi_batch_point* lane_spheres; ///< [links] of clusters' spheres
 	lwi_batch_point* lane_bodies;  ///< [bodies] of bodies' spheres, by their places in the tree, where posed
 	bool* lane_body_is_posed;      ///< [bodies]
+	uint64_t* lane_blocks; ///< [2][shapes / LWI_WIDTH, rounded up] lanes in which obstacles are near a cluster, a body
 } lwi_query_scratch;
 
 /// When the questions of a query give up. Owner: the guard.

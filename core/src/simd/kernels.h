@@ -166,8 +166,9 @@ typedef struct lwi_kernels
 	void ( *lane_of_batch )( const lwi_batch_frame* frame, const double origin[3], lwi_lane_motion* out );
 	/// A point of a frame that is at rest, from a place
 	void ( *lane_point )( const lwi_lane_motion* frame, const double local[3], const double from[3], lwi_batch_point* out );
-	/// Boxes that a point comes nearer to than `reach` > 0: lanes, one byte a box
-	void ( *lane_boxes )( const lwi_batch_point* point, const lwi_box8* boxes, uint32_t blocks, float reach, uint8_t* near );
+	/// Boxes that a point comes nearer to than `reach` > 0: a number per block, bits 8 k + lane of box k. Of those among these
+	void ( *lane_boxes )( const lwi_batch_point* point, const lwi_box8* boxes, uint32_t blocks, float reach,
+		const uint64_t* among, uint64_t* near );
 	/// A body: its frame in the frame of a cluster (r, t), and that
 	void ( *lane_body )( const lwi_lane_motion* frame, const double r[3][3], const double t[3], lwi_lane_motion* out );
 	/// The body in the frame of something that stands still: its rows r and place t

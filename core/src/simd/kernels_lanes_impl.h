@@ -132,22 +132,54 @@ static uint32_t batch_pair( const lwi_batch_point* a, const lwi_batch_point* b, 
 
 // --- states in lanes -------------------------------------------------------------------------------------------------
 
-static void lane_boxes( const lwi_batch_point* point, const lwi_box8* boxes, uint32_t blocks, float reach, uint8_t* near )
+/// How far a place is outside of a box along an axis, if the place's coordinate is in [low, high]; at least.
+static inline f8 outside( f8 low, f8 high, f8 min, f8 max )
+{
+	return f8_max( f8_max( f8_sub( low, max ), f8_sub( min, high ) ), f8_set( 0.0f ) );
+}
+
+/// Boxes, or lanes, that such distances do not keep away.
+static inline uint32_t within( f8 x, f8 y, f8 z, f8 square_limit )
+{
+	const f8 square = f8_add( f8_add( f8_mul( x, x ), f8_mul( y, y ) ), f8_mul( z, z ) );
+	return ~m8_bits( f8_ge( square, square_limit ) ) & 0xffu;
+}
+
+/// First eight boxes at a time against the box around the lanes' points: rounding is monotone, so that no lane of a box that
+/// fails there could pass its own comparison.
+static void lane_boxes( const lwi_batch_point* point, const lwi_box8* boxes, uint32_t blocks, float reach,
+	const uint64_t* among, uint64_t* near )
 {
 	const v3 p = v3_load( point->p );
-	const f8 zero = f8_set( 0.0f ), limit = f8_set( reach * reach );
-	for ( uint32_t i = 0; i < blocks * LWI_WIDTH; ++i )
+	const f8 limit = f8_set( reach * reach );
+	f8 low[3], high[3];
+	for ( int i = 0; i < 3; ++i )
 	{
-		const lwi_box8* block = &boxes[i / LWI_WIDTH];
-		const uint32_t k = i % LWI_WIDTH;
-		const f8 x =
-			f8_max( f8_max( f8_sub( p.x, f8_set( block->max[0][k] ) ), f8_sub( f8_set( block->min[0][k] ), p.x ) ), zero );
-		const f8 y =
-			f8_max( f8_max( f8_sub( p.y, f8_set( block->max[1][k] ) ), f8_sub( f8_set( block->min[1][k] ), p.y ) ), zero );
-		const f8 z =
-			f8_max( f8_max( f8_sub( p.z, f8_set( block->max[2][k] ) ), f8_sub( f8_set( block->min[2][k] ), p.z ) ), zero );
-		const f8 square = f8_add( f8_add( f8_mul( x, x ), f8_mul( y, y ) ), f8_mul( z, z ) );
-		near[i] = (uint8_t)( ~m8_bits( f8_ge( square, limit ) ) & 0xffu );
+		float least = point->p[i][0], most = point->p[i][0];
+		for ( int l = 1; l < LWI_WIDTH; ++l )
+		{
+			least = point->p[i][l] < least ? point->p[i][l] : least;
+			most = point->p[i][l] > most ? point->p[i][l] : most;
+		}
+		low[i] = f8_set( least );
+		high[i] = f8_set( most );
+	}
+	for ( uint32_t i = 0; i < blocks; ++i )
+	{
+		const lwi_box8* block = &boxes[i];
+		f8 x = outside( low[0], high[0], f8_load( block->min[0] ), f8_load( block->max[0] ) );
+		f8 y = outside( low[1], high[1], f8_load( block->min[1] ), f8_load( block->max[1] ) );
+		f8 z = outside( low[2], high[2], f8_load( block->min[2] ), f8_load( block->max[2] ) );
+		uint64_t met = 0;
+		for ( uint32_t mask = among[i] != 0 ? within( x, y, z, limit ) : 0; mask != 0; mask &= mask - 1 )
+		{
+			const uint32_t k = lwi_lowest_bit( mask );
+			x = outside( p.x, p.x, f8_set( block->min[0][k] ), f8_set( block->max[0][k] ) );
+			y = outside( p.y, p.y, f8_set( block->min[1][k] ), f8_set( block->max[1][k] ) );
+			z = outside( p.z, p.z, f8_set( block->min[2][k] ), f8_set( block->max[2][k] ) );
+			met |= (uint64_t)within( x, y, z, limit ) << LWI_WIDTH * k;
+		}
+		near[i] = met & among[i];
 	}
 }
 
