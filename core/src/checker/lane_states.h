@@ -28,8 +28,8 @@ typedef struct lwi_lane_states
 	uint32_t all;       ///< lanes with states
 	uint32_t left;      ///< lanes not known to be blocked
 	uint32_t unsure[2]; ///< of these, lanes in which a pair with the scene, or of the robot itself, is not decided
-	uint64_t *near_cluster,
-		*near_body; ///< [blocks] in the form of lane_boxes(): obstacles met by the cluster at work, by its body
+	/// [blocks] in the form of lane_boxes(): obstacles that the cluster at work meets, and those of them that its body meets
+	uint64_t *near_cluster, *near_body;
 	struct primitive_test* waiting; ///< [MOST_WAITING + 1], the last for a test that does not wait
 	uint32_t waiting_count;
 } lwi_lane_states;

@@ -104,7 +104,7 @@ void lwi_lanes_self( lwi_lane_states* s, const double* q )
 	{
 		return;
 	}
-	const uint32_t wanted = lwi_lanes_wanted( s ); // contact with itself is not looked for
+	const uint32_t wanted = lwi_lanes_wanted( s ); // for all pairs: contact is not looked for
 	const lwi_batch_point* points = s->query->scratch.lane_spheres;
 	lwi_pose_lane_spheres( s->checker, s->query, 0 );
 	for ( uint32_t i = 0; i < tree->self.pair_count && ( wanted & ~s->unsure[1] ) != 0; ++i )
