@@ -38,12 +38,12 @@ typedef struct lwi_lane_states
 static inline uint32_t lwi_lanes_wanted( const lwi_lane_states* s )
 {
 	const uint32_t blocked = s->all & ~s->left;
-	if ( s->effort == LW_STATES_CONTACT )
+	if ( blocked == 0 || s->effort == LW_STATES_LANES || s->effort == LW_STATES_FULL )
 	{
-		return blocked != 0 ? 0 : s->left;
+		return s->left;
 	}
-	const uint32_t before = ( blocked & LWI_FIRST_FOUR ) != 0 ? 0 : blocked != 0 ? LWI_FIRST_FOUR : s->left;
-	return s->left & ( s->effort == LW_STATES_ALONG ? before : s->left );
+	const bool none = s->effort == LW_STATES_CONTACT || ( blocked & LWI_FIRST_FOUR ) != 0;
+	return none ? 0 : s->left & LWI_FIRST_FOUR;
 }
 
 /// Adds to unsure[1] the wanted lanes in which a pair of the robot's own is not decided. @param q [lanes][variables]

@@ -7,7 +7,6 @@
 // and vertices of the meshes inside of obstacles prove lanes blocked. Proof and rounding: core/docs/states.md.
 #include "checker/lane_states.h"
 
-#include "checker/pose.h"
 #include "base/math_inline.h"
 #include "scene/scene.h"
 
@@ -597,11 +596,11 @@ static lw_status check_open( const lw_checker* checker, lw_query* query, const d
 static void take_verdicts( const lwi_lane_states* s, uint32_t count, lw_check_flags flags, lw_verdict* out,
 	lw_check_flags* open )
 {
+	const uint32_t tested = s->effort == LW_STATES_CONTACT ? 0 : lwi_lanes_wanted( s );
 	for ( uint32_t lane = 0; lane < count; ++lane )
 	{
 		const bool left = ( s->left >> lane & 1 ) != 0;
-		const bool decided = s->effort != LW_STATES_CONTACT && ( lwi_lanes_wanted( s ) >> lane & 1 ) != 0;
-		open[lane] = !left ? (lw_check_flags)0 : decided ? open_tests( s, lane ) : flags;
+		open[lane] = !left ? (lw_check_flags)0 : ( tested >> lane & 1 ) != 0 ? open_tests( s, lane ) : flags;
 		out[lane] = !left ? LW_VERDICT_BLOCKED : open[lane] != 0 ? LW_VERDICT_UNDECIDED : LW_VERDICT_FREE;
 	}
 }

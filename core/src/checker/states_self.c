@@ -100,11 +100,11 @@ static void meet_clusters( lwi_lane_states* s, const double* q, const lwi_cluste
 void lwi_lanes_self( lwi_lane_states* s, const double* q )
 {
 	const lwi_cluster_tree* tree = s->tree;
-	if ( tree->self.pair_count == 0 || ( s->covered && (double)tree->self.proxies.separation >= s->needed ) )
+	const uint32_t wanted = lwi_lanes_wanted( s ); // for all pairs: contact is not looked for
+	if ( wanted == 0 || tree->self.pair_count == 0 || ( s->covered && (double)tree->self.proxies.separation >= s->needed ) )
 	{
 		return;
 	}
-	const uint32_t wanted = lwi_lanes_wanted( s ); // for all pairs: contact is not looked for
 	const lwi_batch_point* points = s->query->scratch.lane_spheres;
 	lwi_pose_lane_spheres( s->checker, s->query, 0 );
 	for ( uint32_t i = 0; i < tree->self.pair_count && ( wanted & ~s->unsure[1] ) != 0; ++i )

@@ -158,14 +158,18 @@ static uint32_t sphere_pairs( const float* blocks, uint32_t count, const uint8_t
 	return found;
 }
 
+/// How far a place is outside of a box along an axis, at least, if the place's coordinate is in [low, high].
+static inline f8 outside( f8 low, f8 high, f8 min, f8 max )
+{
+	return f8_max( f8_max( f8_sub( min, high ), f8_sub( low, max ) ), f8_set( 0.0f ) );
+}
+
 static uint32_t box_gap( const lwi_box8* boxes, const float sphere[4], float limit, float gap[LWI_WIDTH] )
 {
 	f8 sum = f8_set( 0.0f );
 	for ( int axis = 0; axis < 3; ++axis )
 	{
-		f8 c = f8_set( sphere[axis] );
-		f8 d = f8_max( f8_sub( f8_load( boxes->min[axis] ), c ), f8_sub( c, f8_load( boxes->max[axis] ) ) );
-		d = f8_max( d, f8_set( 0.0f ) );
+		f8 c = f8_set( sphere[axis] ), d = outside( c, c, f8_load( boxes->min[axis] ), f8_load( boxes->max[axis] ) );
 		sum = f8_add( sum, f8_mul( d, d ) );
 	}
 	return store_gap( gap, f8_sub( f8_sqrt( sum ), f8_set( sphere[3] ) ), limit );
@@ -177,9 +181,7 @@ static uint32_t box_pair_gap( const lwi_box8* boxes, const float min[3], const f
 	f8 sum = f8_set( 0.0f );
 	for ( int axis = 0; axis < 3; ++axis )
 	{
-		f8 d = f8_max( f8_sub( f8_load( boxes->min[axis] ), f8_set( max[axis] ) ),
-			f8_sub( f8_set( min[axis] ), f8_load( boxes->max[axis] ) ) );
-		d = f8_max( d, f8_set( 0.0f ) );
+		f8 d = outside( f8_set( min[axis] ), f8_set( max[axis] ), f8_load( boxes->min[axis] ), f8_load( boxes->max[axis] ) );
 		sum = f8_add( sum, f8_mul( d, d ) );
 	}
 	return store_gap( gap, f8_sqrt( sum ), limit );

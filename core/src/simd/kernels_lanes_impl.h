@@ -132,12 +132,6 @@ static uint32_t batch_pair( const lwi_batch_point* a, const lwi_batch_point* b, 
 
 // --- states in lanes -------------------------------------------------------------------------------------------------
 
-/// How far a place is outside of a box along an axis, if the place's coordinate is in [low, high]; at least.
-static inline f8 outside( f8 low, f8 high, f8 min, f8 max )
-{
-	return f8_max( f8_max( f8_sub( low, max ), f8_sub( min, high ) ), f8_set( 0.0f ) );
-}
-
 /// Boxes, or lanes, that such distances do not keep away.
 static inline uint32_t within( f8 x, f8 y, f8 z, f8 square_limit )
 {
