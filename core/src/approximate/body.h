@@ -86,10 +86,6 @@ bool lwi_shape_is_near( const lw_shape* shape, lw_vec3 p, double distance );
 /// As lwi_shape_is_near(), of the triangles whose group is another than `of`.
 bool lwi_shape_is_near_but( const lw_shape* shape, lw_vec3 p, double distance, const uint32_t* group, uint32_t of );
 
-/// Nearest point of a triangle: within 16u of the coordinates' size of being on it, but among slivers there may be a nearer
-/// one (lwi_tri_tri() does not have that weakness).
-lw_vec3 lwi_nearest_on_triangle( const lw_vec3 v[3], lw_vec3 p );
-
 /// True if a closed shell is proved to have p inside. False if none has, or rounding leaves it open.
 bool lwi_body_encloses( lwi_body* body, lw_vec3 p );
 

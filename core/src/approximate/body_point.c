@@ -7,6 +7,7 @@
 #include "approximate/body_internal.h"
 
 #include "base/math_inline.h"
+#include "distance/convex.h"
 #include "shape/shape.h"
 #include "distance/tri_tri.h"
 
@@ -16,36 +17,6 @@
 /// and 16u^2 more.
 #define ORIENT_2D_ERROR ( 4 * LWI_U64 )
 #define ORIENT_3D_ERROR ( 8 * LWI_U64 )
-
-/// Nearest point of a segment; of its end a if it has no length.
-static lw_vec3 nearest_on_segment( lw_vec3 a, lw_vec3 b, lw_vec3 p )
-{
-	lw_vec3 ab = lwi_sub( b, a );
-	double length_sq = lwi_length_sq( ab );
-	double t = length_sq > 0 ? lwi_dot( lwi_sub( p, a ), ab ) / length_sq : 0;
-	return lwi_add_scaled( a, lwi_clamp( t, 0, 1 ), ab );
-}
-
-static lw_vec3 nearer( lw_vec3 a, lw_vec3 b, lw_vec3 p )
-{
-	return lwi_length_sq( lwi_sub( a, p ) ) <= lwi_length_sq( lwi_sub( b, p ) ) ? a : b;
-}
-
-lw_vec3 lwi_nearest_on_triangle( const lw_vec3 v[3], lw_vec3 p )
-{
-	lw_vec3 ab = lwi_sub( v[1], v[0] ), ac = lwi_sub( v[2], v[0] ), ap = lwi_sub( p, v[0] );
-	double aa = lwi_dot( ab, ab ), bb = lwi_dot( ac, ac ), c = lwi_dot( ab, ac );
-	double d1 = lwi_dot( ab, ap ), d2 = lwi_dot( ac, ap );
-	double determinant = aa * bb - c * c;
-	double s = bb * d1 - c * d2, t = aa * d2 - c * d1;
-	if ( determinant > 0 && s >= 0 && t >= 0 && s + t <= determinant )
-	{
-		return lwi_add_scaled( lwi_add_scaled( v[0], s / determinant, ab ), t / determinant, ac );
-	}
-	lw_vec3 best = nearest_on_segment( v[0], v[1], p );
-	best = nearer( best, nearest_on_segment( v[1], v[2], p ), p );
-	return nearer( best, nearest_on_segment( v[2], v[0], p ), p );
-}
 
 static void load_corners( const lw_shape* shape, uint32_t triangle, lw_vec3 v[3] )
 {

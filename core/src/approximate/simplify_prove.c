@@ -8,6 +8,7 @@
 #include "approximate/body.h"
 #include "approximate/simplify.h"
 #include "base/math_inline.h"
+#include "distance/convex.h"
 #include "shape/shape.h"
 
 enum

@@ -17,14 +17,13 @@
 
 enum
 {
-	/// Of the double stage. Polytopes need 3 to 12, cylinders and cones 4 to 35 apart from contact; more means that double
+	/// Of the double stage. Polytopes need 3 to 12, cylinders and cones 3 to 25 apart from contact; more means that double
 	/// is at its end.
 	MAX_ITERATIONS = 48,
-	FIRST_NEWTON = 3, ///< points until GJK has found the features of curved pieces that are nearest
-	STALLS = 2        ///< points in a row that Newton's directions may gain nothing
+	FIRST_NEWTON = 3 ///< points until GJK has found the features of curved pieces that are nearest
 };
 
-/// Share of an interval's width: a point that leaves more gained nothing.
+/// Share of an interval's width: after a point that leaves more GJK's own direction is next.
 #define LEAST_GAIN 0.9
 
 static bool is_same( lw_vec3 a, lw_vec3 b )
@@ -276,28 +275,29 @@ static bool gjk( lwi_pair* pair, double width, double stop_above, double stop_be
 /// Directions between curved pieces.
 typedef struct course
 {
-	lw_vec3 v;     ///< the next one
-	lw_vec3 plain; ///< GJK's own
-	bool proposed; ///< v is Newton's
-	int stalls;    ///< points in a row that hardly narrowed the interval
-	double left;   ///< its width
+	lw_vec3 v;             ///< the next one
+	lw_vec3 plain;         ///< GJK's own
+	bool proposed;         ///< v is that of `proposal`
+	lwi_proposal proposal; ///< Newton's, or one normal to edges
+	double square;         ///< squared distance of the simplex
+	double left;           ///< width of the interval
 } course;
 
 /// Chooses the next direction. @param w the support point against the last one
 static void turn( course* c, const lwi_pair* pair, const lwi_simplex* simplex, vec_d w, const lwi_bounds* bounds )
 {
 	const double left = bounds->upper - bounds->lower;
-	c->stalls = left < LEAST_GAIN * c->left ? 0 : c->stalls + 1;
+	const bool gained = left < LEAST_GAIN * c->left;
 	c->left = left;
-	c->proposed = c->stalls < STALLS && bounds->iterations >= FIRST_NEWTON &&
-				  lwi_convex_newton( pair, simplex, c->v, lwi_v3( w.x, w.y, w.z ), bounds->upper, &c->v );
-	c->v = c->proposed ? c->v : c->plain;
+	c->proposed = gained && bounds->iterations >= FIRST_NEWTON &&
+				  lwi_convex_propose( pair, simplex, c->v, lwi_v3( w.x, w.y, w.z ), bounds->upper, &c->proposal );
+	c->v = c->proposed ? c->proposal.n : c->plain;
 }
 
 /// Takes in the support point that was found. @return true: nothing is gained by going on
 static bool take_in( course* c, const lwi_pair* pair, lwi_simplex* simplex, vec_d* w, vec_d next, lwi_bounds* bounds )
 {
-	if ( c->proposed && next.x * next.x + next.y * next.y + next.z * next.z < bounds->upper * bounds->upper )
+	if ( c->proposed && next.x * next.x + next.y * next.y + next.z * next.z < c->square )
 	{
 		simplex->a[0] = simplex->a[simplex->count]; // nearer than all that came before
 		simplex->b[0] = simplex->b[simplex->count];
@@ -311,24 +311,31 @@ static bool take_in( course* c, const lwi_pair* pair, lwi_simplex* simplex, vec_
 	reduce( simplex, w, &nearest );
 	offer_witness( pair, simplex, bounds );
 	c->plain = lwi_v3( nearest.v.x, nearest.v.y, nearest.v.z );
-	return inside || !( nearest.sq > 0.0 );
+	const bool falls = c->proposed || nearest.sq < c->square;
+	c->square = nearest.sq;
+	return inside || !( nearest.sq > 0.0 && falls );
 }
 
-/// gjk() where one piece has a rim: a part of the directions are Newton's. Apart from gjk(), which is slower with the branches of this one.
+/// gjk() where one piece has a rim: a part of the directions are proposals. Apart from gjk(), which is slower with the branches of this one.
 static bool gjk_curved( lwi_pair* pair, double width, double stop_above, double stop_below, lwi_simplex* simplex,
 	lwi_bounds* bounds )
 {
 	const double rounding = LWI_CONVEX_ROUNDING * pair->extent;
 	course c = { .v = lwi_sub( centroid( &pair->a ), lwi_transform( &pair->place, centroid( &pair->b ) ) ),
+		.square = INFINITY,
 		.left = INFINITY };
 	c.v = lwi_length_sq( c.v ) > 0.0 ? c.v : lwi_v3( 1.0, 0.0, 0.0 );
 	vec_d w[4];
 	simplex->count = 0;
-	while ( bounds->iterations < MAX_ITERATIONS && c.stalls <= STALLS )
+	while ( bounds->iterations < MAX_ITERATIONS )
 	{
 		const vec_d next = add_support( pair, c.v, false, simplex );
 		const double gap = gap_of( c.v, next ) - rounding;
 		bounds->lower = gap > bounds->lower ? gap : bounds->lower;
+		if ( c.proposed )
+		{
+			lwi_convex_offer_nearest( pair, simplex, &c.proposal, bounds );
+		}
 		if ( lwi_bounds_done( bounds, rounding, width, stop_above, stop_below ) )
 		{
 			return true;
@@ -336,7 +343,10 @@ static bool gjk_curved( lwi_pair* pair, double width, double stop_above, double 
 		++bounds->iterations;
 		if ( is_known( simplex ) )
 		{
-			c.stalls = c.proposed ? STALLS : STALLS + 1;
+			if ( !c.proposed )
+			{
+				return false;
+			}
 			c.proposed = false;
 			c.v = c.plain;
 			continue;

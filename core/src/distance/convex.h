@@ -68,6 +68,10 @@ lwi_convex_result lwi_convex_distance( const lwi_convex* a, const lwi_convex* b,
 /// |p| ).
 double lwi_convex_point_distance( const lwi_convex* primitive, lw_vec3 p, lw_vec3* closest );
 
+/// Nearest point of a triangle: within 16u of the coordinates' size of being on it, but among slivers there may be a nearer
+/// one (lwi_tri_tri() does not have that weakness).
+lw_vec3 lwi_nearest_on_triangle( const lw_vec3 v[3], lw_vec3 p );
+
 LW_EXTERN_C_END
 
 #endif

@@ -231,9 +231,22 @@ static inline bool lwi_bounds_done( const lwi_bounds* bounds, double rounding, d
 void lwi_convex_refine( const lwi_pair* pair, lwi_simplex* simplex, double width, double stop_above, double stop_below,
 	lwi_bounds* bounds );
 
+/// A direction for the next support points.
+typedef struct lwi_proposal
+{
+	lw_vec3 n;        ///< any length
+	bool crossing;    ///< it is normal to an edge of each piece
+	lw_vec3 along[2]; ///< these, of a and b, in a's axes
+} lwi_proposal;
+
 /// A direction that is nearer to that of the distance than GJK's next one, of pieces with rims. False if there is none.
 /// @param v the last direction @param w the support point of a - b against it @param d the distance, nearly
-bool lwi_convex_newton( const lwi_pair* pair, const lwi_simplex* simplex, lw_vec3 v, lw_vec3 w, double d, lw_vec3* out );
+bool lwi_convex_propose( const lwi_pair* pair, const lwi_simplex* simplex, lw_vec3 v, lw_vec3 w, double d,
+	lwi_proposal* out );
+
+/// Offers points that are nearest to the support points against a proposal, which are behind those of the simplex.
+void lwi_convex_offer_nearest( const lwi_pair* pair, const lwi_simplex* simplex, const lwi_proposal* by,
+	lwi_bounds* bounds );
 
 LW_EXTERN_C_END
 

@@ -63,3 +63,33 @@ double lwi_convex_point_distance( const lwi_convex* primitive, lw_vec3 p, lw_vec
 	*closest = q;
 	return lwi_distance( p, q );
 }
+
+/// Nearest point of a segment; of its end a if it has no length.
+static lw_vec3 nearest_on_segment( lw_vec3 a, lw_vec3 b, lw_vec3 p )
+{
+	lw_vec3 ab = lwi_sub( b, a );
+	double length_sq = lwi_length_sq( ab );
+	double t = length_sq > 0 ? lwi_dot( lwi_sub( p, a ), ab ) / length_sq : 0;
+	return lwi_add_scaled( a, lwi_clamp( t, 0, 1 ), ab );
+}
+
+static lw_vec3 nearer( lw_vec3 a, lw_vec3 b, lw_vec3 p )
+{
+	return lwi_length_sq( lwi_sub( a, p ) ) <= lwi_length_sq( lwi_sub( b, p ) ) ? a : b;
+}
+
+lw_vec3 lwi_nearest_on_triangle( const lw_vec3 v[3], lw_vec3 p )
+{
+	lw_vec3 ab = lwi_sub( v[1], v[0] ), ac = lwi_sub( v[2], v[0] ), ap = lwi_sub( p, v[0] );
+	double aa = lwi_dot( ab, ab ), bb = lwi_dot( ac, ac ), c = lwi_dot( ab, ac );
+	double d1 = lwi_dot( ab, ap ), d2 = lwi_dot( ac, ap );
+	double determinant = aa * bb - c * c;
+	double s = bb * d1 - c * d2, t = aa * d2 - c * d1;
+	if ( determinant > 0 && s >= 0 && t >= 0 && s + t <= determinant )
+	{
+		return lwi_add_scaled( lwi_add_scaled( v[0], s / determinant, ab ), t / determinant, ac );
+	}
+	lw_vec3 best = nearest_on_segment( v[0], v[1], p );
+	best = nearer( best, nearest_on_segment( v[1], v[2], p ), p );
+	return nearer( best, nearest_on_segment( v[2], v[0], p ), p );
+}

@@ -24,7 +24,7 @@
 enum
 {
 	/// Between smooth surfaces the error of the direction falls by a factor of about 2 per iteration, that of the
-	/// distance by 4; at most 90 with the first stage were seen, and this never.
+	/// distance by 4; at most 96 with the first stage were seen, and this never.
 	MAX_ITERATIONS = 192
 };
 
