@@ -218,13 +218,18 @@ TEST_P( NearWorlds, AStaleBoundMissesNoPair )
 
 INSTANTIATE_TEST_SUITE_P( Random, NearWorlds, testing::Range( 0, 24 ) );
 
-/// One sliding link with `count` bodies beside as many obstacles.
-leeway::Checker crowd( const std::vector<lw_transform>& bodies, const std::vector<lw_transform>& obstacles, double radius )
+leeway::Shape primitive( lw_shape_type type, double x, double y = 0, double z = 0 )
 {
-	const double size[3] = { radius, 0, 0 };
-	lw_shape* ball = nullptr;
-	EXPECT_EQ( LW_OK, lw_shape_create_primitive( LW_SHAPE_SPHERE, size, nullptr, nullptr, &ball ) );
-	const leeway::Shape owner = leeway::Shape::adopt( ball );
+	const double size[3] = { x, y, z };
+	lw_shape* shape = nullptr;
+	EXPECT_EQ( LW_OK, lw_shape_create_primitive( type, size, nullptr, nullptr, &shape ) );
+	return leeway::Shape::adopt( shape );
+}
+
+/// One sliding link with bodies of one shape, beside obstacles of that shape.
+leeway::Checker crowd(
+    const std::vector<lw_transform>& bodies, const std::vector<lw_transform>& obstacles, const lw_shape* shape )
+{
 	lw_robot_def robot_def = lw_robot_def_default();
 	const char* links[2] = { "base", "slider" };
 	lw_joint_def joint = lw_joint_def_default();
@@ -239,7 +244,7 @@ leeway::Checker crowd( const std::vector<lw_transform>& bodies, const std::vecto
 	{
 		lw_body_def body = {};
 		body.link = 1;
-		body.shape = ball;
+		body.shape = shape;
 		body.link_from_shape = pose;
 		body_defs.push_back( body );
 	}
@@ -255,7 +260,7 @@ leeway::Checker crowd( const std::vector<lw_transform>& bodies, const std::vecto
 	std::vector<lw_scene_shape_def> shapes;
 	for ( const lw_transform& pose : obstacles )
 	{
-		shapes.push_back( { ball, 0, pose } );
+		shapes.push_back( { shape, 0, pose } );
 	}
 	const char* name = "obstacles";
 	lw_scene_def scene_def = lw_scene_def_default();
@@ -280,7 +285,7 @@ TEST( Near, ManyRowsAreInAnotherOrderThanTheirDistances )
 	for ( int round = 0; round < 12; ++round )
 	{
 		// on a grid many distances are equal; one obstacle is very far; all are equally far; anywhere
-		std::vector<lw_transform> bodies( 30, lw_transform_identity() ), obstacles = bodies;
+		std::vector<lw_transform> bodies( 36, lw_transform_identity() ), obstacles = bodies;
 		for ( std::size_t i = 0; i < bodies.size(); ++i )
 		{
 			for ( std::size_t k = 0; k < 3; ++k )
@@ -291,29 +296,74 @@ TEST( Near, ManyRowsAreInAnotherOrderThanTheirDistances )
 			}
 		}
 		obstacles[7].t[0] = round % 4 == 1 ? 1e7 : obstacles[7].t[0];
-		const leeway::Checker checker = crowd( bodies, obstacles, 0.01 );
+		const leeway::Shape ball = primitive( LW_SHAPE_SPHERE, 0.01 );
+		const leeway::Checker checker = crowd( bodies, obstacles, ball.get() );
 		const leeway::Query query = queryOf( checker.get() );
 		lw_near_def def = lw_near_def_default();
 		def.distance = INFINITY;
 		const NearRows all = nearPairs( checker.get(), query.get(), { 0.0 }, def );
 		ASSERT_EQ( LW_OK, all.status );
-		ASSERT_EQ( all.rows.size(), 900u );
+		ASSERT_EQ( all.rows.size(), 1296u );
 		const auto key = []( const lw_near_pair& row )
 		{ return std::make_tuple( row.clearance.upper, row.self, row.body_a, row.body_b ); };
 		for ( std::size_t i = 1; i < all.rows.size(); ++i )
 		{
 			ASSERT_LT( key( all.rows[i - 1] ), key( all.rows[i] ) ) << "round " << round << ", row " << i;
 		}
-		for ( const std::uint32_t capacity : { 1u, 5u, 100u, 899u } )
+		for ( const std::uint32_t capacity : { 1u, 5u, 100u, 1000u, 1295u } )
 		{
 			const NearRows few = nearPairs( checker.get(), query.get(), { 0.0 }, def, capacity );
 			ASSERT_EQ( few.rows.size(), capacity );
-			EXPECT_EQ( few.total, 900u );
+			EXPECT_EQ( few.total, 1296u );
 			for ( std::size_t i = 0; i < capacity; ++i )
 			{
 				ASSERT_EQ( key( all.rows[i] ), key( few.rows[i] ) ) << "capacity " << capacity << ", row " << i;
 			}
 		}
+	}
+}
+
+lw_transform poseIn( SeededRng& rng, double size )
+{
+	const double at[3] = { rng.uniform( 0, size ), rng.uniform( 0, size ), rng.uniform( 0, size ) };
+	double xyzw[4];
+	rng.quaternion( xyzw );
+	lw_transform pose;
+	EXPECT_EQ( LW_OK, lw_transform_from_quaternion( at, xyzw, &pose ) );
+	return pose;
+}
+
+TEST( Near, ABoxThatTouchesOrIsNearHasAnotherRowThanItsPairAlone )
+{
+	SeededRng rng( 20261206 );
+	const leeway::Shape box = primitive( LW_SHAPE_BOX, 0.3, 0.2, 0.1 );
+	for ( int round = 0; round < 4; ++round )
+	{
+		std::vector<lw_transform> bodies, obstacles;
+		for ( int i = 0; i < 13; ++i )
+		{
+			bodies.push_back( poseIn( rng, 0.3 ) );
+			obstacles.push_back( poseIn( rng, 0.3 ) );
+		}
+		const leeway::Checker checker = crowd( bodies, obstacles, box.get() );
+		const leeway::Query query = queryOf( checker.get() );
+		lw_near_def def = lw_near_def_default();
+		def.distance = INFINITY;
+		const NearRows all = nearPairs( checker.get(), query.get(), { 0.0 }, def );
+		ASSERT_EQ( all.rows.size(), bodies.size() * obstacles.size() );
+		int touching = 0;
+		for ( const lw_near_pair& row : all.rows )
+		{
+			const lw_range exact = lw_range_exact();
+			lw_clearance alone;
+			ASSERT_EQ( LW_OK, lw_shape_distance( box.get(), &bodies[row.body_a], box.get(), &obstacles[row.body_b], &exact,
+			                      query.get(), &alone ) );
+			touching += alone.upper == 0 ? 1 : 0;
+			ASSERT_EQ( row.clearance.kind == LW_CLEARANCE_VIOLATION, alone.upper == 0 );
+			ASSERT_NEAR( row.clearance.upper, alone.upper, 1e-12 );
+			ASSERT_NEAR( row.clearance.lower, alone.lower, 3e-12 );
+		}
+		EXPECT_GT( touching, 10 );
 	}
 }
 

@@ -323,7 +323,7 @@ static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* 
 /// The answer of an environment bound, with names and world points.
 static void environment_result( const lw_checker* checker, const lw_query* query, const lwi_bound* bound, lw_clearance* out )
 {
-	*out = lwi_bound_result( bound );
+	lwi_bound_result( bound, out );
 	if ( !( out->upper < INFINITY ) )
 	{
 		return;

@@ -484,7 +484,7 @@ static void search_tree( const lw_checker* checker, lw_query* query, lwi_bound* 
 static void self_result( const lw_checker* checker, const lw_query* query, const lwi_bound* bound, uint32_t body_a,
 	uint32_t body_b, lw_clearance* out )
 {
-	*out = lwi_bound_result( bound );
+	lwi_bound_result( bound, out );
 	if ( out->upper < INFINITY )
 	{
 		out->point_a = lwi_transform( &query->pose.world_from_body[body_a], bound->point_a );

@@ -42,7 +42,8 @@ static double look( solids* s, lw_vec3 move )
 	bound.insides = true;
 	s->steps++;
 	lwi_search( s->memory, s->a, s->b, &moved, &bound );
-	const lw_clearance c = lwi_bound_result( &bound );
+	lw_clearance c;
+	lwi_bound_result( &bound, &c );
 	if ( c.kind != LW_CLEARANCE_NEAR )
 	{
 		return 0;

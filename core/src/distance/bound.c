@@ -69,37 +69,35 @@ bool lwi_bound_offer( lwi_bound* bound, double lower, double upper )
 	return true;
 }
 
-lw_clearance lwi_bound_result( const lwi_bound* bound )
+void lwi_bound_result( const lwi_bound* bound, lw_clearance* out )
 {
-	lw_clearance out = lw_clearance_unknown();
+	out->lower = 0; // each on its own: a copy of an answer that was just made would wait for it
+	out->upper = INFINITY;
+	out->point_a = out->point_b = lwi_v3( 0, 0, 0 );
+	out->kind = LW_CLEARANCE_UNKNOWN;
+	out->a = out->b = LW_INVALID_INDEX;
 	if ( bound->failed )
 	{
-		return out;
+		return;
 	}
 	if ( bound->upper == INFINITY )
 	{
-		out.kind = LW_CLEARANCE_FAR;
-		out.lower = bound->range.max_d;
-		return out;
+		out->kind = LW_CLEARANCE_FAR;
+		out->lower = bound->range.max_d;
+		return;
 	}
-	out.upper = bound->upper;
-	out.lower = bound->lowest;
-	if ( bound->done )
+	const double lower = less_rounding( bound, bound->floor < bound->cutoff ? bound->floor : bound->cutoff );
+	if ( !bound->done && lower >= bound->range.max_d ) // of a pair that was beyond it by less than rounding
 	{
-		out.kind = bound->upper <= bound->range.min_d ? LW_CLEARANCE_VIOLATION : LW_CLEARANCE_UNDECIDED;
-		return out;
+		out->kind = LW_CLEARANCE_FAR;
+		out->lower = bound->range.max_d;
+		return;
 	}
-	double lower = less_rounding( bound, bound->floor < bound->cutoff ? bound->floor : bound->cutoff );
-	if ( lower >= bound->range.max_d ) // of a pair that was beyond it by less than rounding
-	{
-		out = lw_clearance_unknown();
-		out.kind = LW_CLEARANCE_FAR;
-		out.lower = bound->range.max_d;
-		return out;
-	}
-	out.lower = lower > out.lower ? lower : out.lower;
-	out.kind = out.lower > bound->range.min_d ? LW_CLEARANCE_NEAR : LW_CLEARANCE_UNDECIDED;
-	return out;
+	out->upper = bound->upper;
+	out->lower = !bound->done && lower > bound->lowest ? lower : bound->lowest;
+	const bool violates = bound->done && bound->upper <= bound->range.min_d;
+	const bool apart = !bound->done && out->lower > bound->range.min_d;
+	out->kind = violates ? LW_CLEARANCE_VIOLATION : apart ? LW_CLEARANCE_NEAR : LW_CLEARANCE_UNDECIDED;
 }
 
 lw_range lw_range_exact( void )

@@ -65,7 +65,7 @@ bool lwi_range_is_valid( const lw_range* range );
 bool lwi_bound_offer( lwi_bound* bound, double lower, double upper );
 
 /// Interval and class of a finished search; the caller adds witness and names (kind shows whether there is one).
-lw_clearance lwi_bound_result( const lwi_bound* bound );
+void lwi_bound_result( const lwi_bound* bound, lw_clearance* out );
 
 /// Lowers the bound to the distance of a and b, less the bound's margin, where that is smaller.
 /// @param a_from_b shape frames; finite, a rotation

@@ -200,7 +200,8 @@ static void search( near_pair* p, lwi_bound* bound )
 	cache->fronts_used += m->front_count;
 }
 
-lw_clearance lwi_near_search( const lw_checker* checker, lw_query* query, const lwi_near_bodies* bodies, lwi_bound* bound )
+void lwi_near_search( const lw_checker* checker, lw_query* query, const lwi_near_bodies* bodies, lwi_bound* bound,
+	lw_clearance* out )
 {
 	const lwi_near_place at = lwi_near_place_of( checker, query, bodies );
 	if ( !lwi_memory_pays( at.a, at.b ) )
@@ -209,13 +210,15 @@ lw_clearance lwi_near_search( const lw_checker* checker, lw_query* query, const 
 		bound->margin = -bound->range.min_d;
 		bound->was_near = true; // their distance takes as long as that of their boxes
 		lwi_search( &query->search, at.a, at.b, &a_from_b, bound );
-		return lwi_bound_result( bound );
+		lwi_bound_result( bound, out );
+		return;
 	}
 	near_pair p = meet( checker, query, bodies, &at );
 	lwi_near_memory* m = p.memory;
 	if ( m->apart - m->moved >= bound->cutoff )
 	{
-		return lwi_bound_result( bound );
+		lwi_bound_result( bound, out );
+		return;
 	}
 	const lw_range range = bound->range;
 	if ( m->far && p.step < INFINITY && range.max_d < INFINITY )
@@ -225,8 +228,7 @@ lw_clearance lwi_near_search( const lw_checker* checker, lw_query* query, const 
 	}
 	search( &p, bound );
 	bound->range = range;
-	const lw_clearance found = lwi_bound_result( bound );
-	m->far = found.kind == LW_CLEARANCE_FAR;
+	lwi_bound_result( bound, out );
+	m->far = out->kind == LW_CLEARANCE_FAR;
 	m->apart = bound->done ? -INFINITY : fmin( bound->floor, bound->cutoff ) + m->moved;
-	return found;
 }

@@ -52,8 +52,9 @@ lwi_bound lwi_near_bound( const lw_query* query, const lw_range* range );
 void lwi_near_open( lw_query* query );
 
 /// Searches a pair; the bound is lwi_near_bound() on return, with the pair's answer. Memory changes the time alone.
-/// @return lwi_bound_result()
-lw_clearance lwi_near_search( const lw_checker* checker, lw_query* query, const lwi_near_bodies* bodies, lwi_bound* bound );
+/// @param out lwi_bound_result()
+void lwi_near_search( const lw_checker* checker, lw_query* query, const lwi_near_bodies* bodies, lwi_bound* bound,
+	lw_clearance* out );
 
 /// Adds to out [group variables] the derivatives of dot( n, p ), p a point of the world that a cluster carries.
 /// @param end cluster above it whose joint, and those above, are left out; 0: all count

@@ -29,7 +29,7 @@ lw_status lw_shape_distance( const lw_shape* a, const lw_transform* world_from_a
 	if ( lwi_have_closed_form( a, b ) && lwi_search_round( &query->search, a, pose_a, b, pose_b, &bound ) )
 	{
 		query->search.stats.queries++;
-		*out = lwi_bound_result( &bound );
+		lwi_bound_result( &bound, out );
 		if ( out->upper < INFINITY )
 		{
 			out->point_a = lwi_add( bound.point_a, lwi_load( pose_a->t ) );
@@ -40,7 +40,7 @@ lw_status lw_shape_distance( const lw_shape* a, const lw_transform* world_from_a
 	lw_transform a_from_b = lwi_relative( pose_a, pose_b );
 	query->search.failure = LW_OK;
 	lwi_search( &query->search, a, b, &a_from_b, &bound );
-	*out = lwi_bound_result( &bound );
+	lwi_bound_result( &bound, out );
 	if ( bound.failed )
 	{
 		return query->search.failure;

@@ -212,7 +212,8 @@ static void measure( maker* m, block* b, uint32_t least_level, double most, bool
 	lw_range range = { needed + b->lower, most + needed + GRID_ROUNDING, rough ? ROUGH_ALPHA : GRID_ALPHA };
 	lwi_bound bound;
 	lwi_pair_analyser_measure_links( p, p->poses, p->link_a, p->link_b, &range, &b->nearest, &bound );
-	lw_clearance clearance = lwi_bound_result( &bound );
+	lw_clearance clearance;
+	lwi_bound_result( &bound, &clearance );
 	b->lower = fmax( b->lower, clearance.lower - needed );
 	b->distance = clearance.upper;
 	b->rough = rough;

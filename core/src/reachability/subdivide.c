@@ -166,7 +166,8 @@ static bool certify( subdivision* s, const double* cell, double* out_distance )
 	lw_range range = { CUT_SHARE * fmax( 0.0, motion - 4 * s->target ), needed, CELL_ALPHA };
 	lwi_bound bound;
 	lwi_pair_analyser_measure_links( p, p->poses, p->link_a, p->link_b, &range, &s->nearest, &bound );
-	lw_clearance clearance = lwi_bound_result( &bound );
+	lw_clearance clearance;
+	lwi_bound_result( &bound, &clearance );
 	if ( clearance.kind == LW_CLEARANCE_FAR )
 	{
 		return true;

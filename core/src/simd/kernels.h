@@ -179,6 +179,18 @@ typedef struct lwi_kernels
 	uint32_t ( *lane_slabs )( const lwi_lane_motion* motion, const float middle[3], const float half[3],
 		const lwi_primitive* primitive, float limit );
 
+	// Pairs of convex bodies in lanes: distance/convex_lanes.c. open: lanes that count
+
+	/// Begins with the direction between the middles: sets where the bodies are farthest, of boxes their points there, and an
+	/// interval of which nothing is known.
+	/// @param rounding, error shares of the extent, and of both sizes and the largest coordinate between the places
+	void ( *convex_start )( lwi_convex_lanes* lanes, uint32_t open, double rounding, double error );
+	/// Takes in the points where the bodies are farthest: narrows the intervals, and sets the next direction as convex_start()
+	/// does.
+	/// @param known points of the simplex so far, 3 at most; of these some may be equal
+	/// @return lanes whose interval is above 0 and narrow enough, or beyond `far`
+	uint32_t ( *convex_step )( lwi_convex_lanes* lanes, uint32_t open, uint32_t known );
+
 	// Voxels: cloud/insert.c, cloud/clear.c
 
 	/// Voxels of eight points. @param place of its chunk, chunks in the order z, y, x, times LWI_CHUNK_BLOCKS, and its block's number in there, in Morton

@@ -672,10 +672,12 @@ static void chain_tips( const lwi_pose_rows* restrict before, const double* rest
 }
 
 #include "simd/kernels_lanes_impl.h"
+#include "simd/kernels_convex_impl.h"
 #include "simd/kernels_voxels_impl.h"
 
 const lwi_kernels LWI_KERNELS = { LWI_KERNELS_LEVEL, sphere_gap, obb_gap, sphere_pairs, box_gap, box_pair_gap, leaf_gap,
 	slab_gap, node_project, leaf_project, leaf_transform, points_move, points_farthest, corners_farthest, planes_clear,
 	triangle_gap, node_primitive_gap, leaf_primitive_gap, points_inside, sincos_all, chain_tips, batch_frame, batch_point,
 	batch_box, batch_pair, lane_frame, lane_of_batch, lane_point, lane_boxes, lane_body, lane_relative, lane_between,
-	lane_slabs, point_voxels, pixel_voxels, sensor_points, ray_tangents, ray_pixels, voxels_before };
+	lane_slabs, convex_start, convex_step, point_voxels, pixel_voxels, sensor_points, ray_tangents, ray_pixels,
+	voxels_before };

@@ -44,6 +44,32 @@ typedef struct lwi_batch_point
 	float p[3][LWI_WIDTH], displacement[3][LWI_WIDTH];
 } lwi_batch_point;
 
+/// Pairs of convex bodies in the lanes, for distance/convex_lanes.c. Index [2]: body a, body b. Numbers that are "own" are in the body's axes, about its
+/// reference point; all others are in the axes of the world, about the reference point of a.
+typedef struct lwi_convex_lanes
+{
+	double rotation[2][9][LWI_WIDTH]; ///< rows of world_from_body
+	double place[2][3][LWI_WIDTH];    ///< of the body in the world
+	double origin[2][3][LWI_WIDTH];   ///< reference point, in the body's frame
+	double middle[2][3][LWI_WIDTH];   ///< own: a point in the middle
+	double half[2][3][LWI_WIDTH];     ///< own: half sizes of a box; 0 for other bodies
+	double radius[2][LWI_WIDTH];      ///< metres: no point of the body is farther from its reference point
+	double size[2][LWI_WIDTH];        ///< metres: no coordinate in the body's frame is larger
+	double share[2][LWI_WIDTH];       ///< of the extent: width of an interval that will do; 0: its rounding
+	double far[LWI_WIDTH];            ///< metres: a lower bound that will do, but for errors
+	// set by convex_start(), read by convex_step()
+	double first[3][LWI_WIDTH], second[3][LWI_WIDTH]; ///< reference points of a, about its place, and of b
+	double rounding[LWI_WIDTH];                       ///< metres: a gap may be too large by this
+	double error[LWI_WIDTH];                          ///< metres: that of poses
+	double width[LWI_WIDTH];                          ///< metres: of an interval that will do
+	double v[3][LWI_WIDTH];                           ///< next direction, from b to a, of any length
+	double along[2][3][LWI_WIDTH];                    ///< own: the same, outward
+	double support[2][3][LWI_WIDTH];                  ///< own: the farthest point along it
+	double corner[3][2][3][LWI_WIDTH];                ///< the simplex
+	double point[2][3][LWI_WIDTH];                    ///< nearest points so far
+	double lower[LWI_WIDTH], upper[LWI_WIDTH];
+} lwi_convex_lanes;
+
 /// A rigid motion in the lanes: p -> r p + t.
 typedef struct lwi_lane_motion
 {

@@ -100,9 +100,34 @@ static inline d4 d4_mul( d4 a, d4 b )
 {
 	return _mm256_mul_pd( a, b );
 }
+static inline d4 d4_sub( d4 a, d4 b )
+{
+	return _mm256_sub_pd( a, b );
+}
+static inline d4 d4_div( d4 a, d4 b )
+{
+	return _mm256_div_pd( a, b );
+}
+static inline d4 d4_sqrt( d4 a )
+{
+	return _mm256_sqrt_pd( a );
+}
 static inline d4_mask d4_lt( d4 a, d4 b )
 {
 	return _mm256_cmp_pd( a, b, _CMP_LT_OQ );
+}
+static inline d4_mask d4_both( d4_mask a, d4_mask b )
+{
+	return _mm256_and_pd( a, b );
+}
+static inline d4_mask d4_either( d4_mask a, d4_mask b )
+{
+	return _mm256_or_pd( a, b );
+}
+/// Bit i = lane i.
+static inline uint32_t d4_bits( d4_mask a )
+{
+	return (uint32_t)_mm256_movemask_pd( a );
 }
 /// mask ? a : b
 static inline d4 d4_select( d4_mask mask, d4 a, d4 b )

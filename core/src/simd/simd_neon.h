@@ -110,6 +110,32 @@ static inline d4 d4_mul( d4 a, d4 b )
 {
 	return ( d4 ){ vmulq_f64( a.lo, b.lo ), vmulq_f64( a.hi, b.hi ) };
 }
+static inline d4 d4_sub( d4 a, d4 b )
+{
+	return ( d4 ){ vsubq_f64( a.lo, b.lo ), vsubq_f64( a.hi, b.hi ) };
+}
+static inline d4 d4_div( d4 a, d4 b )
+{
+	return ( d4 ){ vdivq_f64( a.lo, b.lo ), vdivq_f64( a.hi, b.hi ) };
+}
+static inline d4 d4_sqrt( d4 a )
+{
+	return ( d4 ){ vsqrtq_f64( a.lo ), vsqrtq_f64( a.hi ) };
+}
+static inline d4_mask d4_both( d4_mask a, d4_mask b )
+{
+	return ( d4_mask ){ vandq_u64( a.lo, b.lo ), vandq_u64( a.hi, b.hi ) };
+}
+static inline d4_mask d4_either( d4_mask a, d4_mask b )
+{
+	return ( d4_mask ){ vorrq_u64( a.lo, b.lo ), vorrq_u64( a.hi, b.hi ) };
+}
+/// Bit i = lane i.
+static inline uint32_t d4_bits( d4_mask a )
+{
+	return (uint32_t)( ( vgetq_lane_u64( a.lo, 0 ) & 1 ) | ( vgetq_lane_u64( a.lo, 1 ) & 2 ) |
+					   ( vgetq_lane_u64( a.hi, 0 ) & 4 ) | ( vgetq_lane_u64( a.hi, 1 ) & 8 ) );
+}
 static inline d4_mask d4_lt( d4 a, d4 b )
 {
 	return ( d4_mask ){ vcltq_f64( a.lo, b.lo ), vcltq_f64( a.hi, b.hi ) };

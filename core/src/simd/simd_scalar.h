@@ -135,6 +135,31 @@ static inline d4 d4_mul( d4 a, d4 b )
 {
 	return ( d4 ){ { a.v[0] * b.v[0], a.v[1] * b.v[1], a.v[2] * b.v[2], a.v[3] * b.v[3] } };
 }
+static inline d4 d4_sub( d4 a, d4 b )
+{
+	return ( d4 ){ { a.v[0] - b.v[0], a.v[1] - b.v[1], a.v[2] - b.v[2], a.v[3] - b.v[3] } };
+}
+static inline d4 d4_div( d4 a, d4 b )
+{
+	return ( d4 ){ { a.v[0] / b.v[0], a.v[1] / b.v[1], a.v[2] / b.v[2], a.v[3] / b.v[3] } };
+}
+static inline d4 d4_sqrt( d4 a )
+{
+	return ( d4 ){ { sqrt( a.v[0] ), sqrt( a.v[1] ), sqrt( a.v[2] ), sqrt( a.v[3] ) } };
+}
+static inline d4_mask d4_both( d4_mask a, d4_mask b )
+{
+	return ( d4_mask ){ { a.v[0] && b.v[0], a.v[1] && b.v[1], a.v[2] && b.v[2], a.v[3] && b.v[3] } };
+}
+static inline d4_mask d4_either( d4_mask a, d4_mask b )
+{
+	return ( d4_mask ){ { a.v[0] || b.v[0], a.v[1] || b.v[1], a.v[2] || b.v[2], a.v[3] || b.v[3] } };
+}
+/// Bit i = lane i.
+static inline uint32_t d4_bits( d4_mask a )
+{
+	return (uint32_t)a.v[0] | (uint32_t)a.v[1] << 1 | (uint32_t)a.v[2] << 2 | (uint32_t)a.v[3] << 3;
+}
 static inline d4_mask d4_lt( d4 a, d4 b )
 {
 	return ( d4_mask ){ { a.v[0] < b.v[0], a.v[1] < b.v[1], a.v[2] < b.v[2], a.v[3] < b.v[3] } };

@@ -90,6 +90,31 @@ static inline d4 d4_mul( d4 a, d4 b )
 {
 	return ( d4 ){ _mm_mul_pd( a.lo, b.lo ), _mm_mul_pd( a.hi, b.hi ) };
 }
+static inline d4 d4_sub( d4 a, d4 b )
+{
+	return ( d4 ){ _mm_sub_pd( a.lo, b.lo ), _mm_sub_pd( a.hi, b.hi ) };
+}
+static inline d4 d4_div( d4 a, d4 b )
+{
+	return ( d4 ){ _mm_div_pd( a.lo, b.lo ), _mm_div_pd( a.hi, b.hi ) };
+}
+static inline d4 d4_sqrt( d4 a )
+{
+	return ( d4 ){ _mm_sqrt_pd( a.lo ), _mm_sqrt_pd( a.hi ) };
+}
+static inline d4_mask d4_both( d4_mask a, d4_mask b )
+{
+	return ( d4 ){ _mm_and_pd( a.lo, b.lo ), _mm_and_pd( a.hi, b.hi ) };
+}
+static inline d4_mask d4_either( d4_mask a, d4_mask b )
+{
+	return ( d4 ){ _mm_or_pd( a.lo, b.lo ), _mm_or_pd( a.hi, b.hi ) };
+}
+/// Bit i = lane i.
+static inline uint32_t d4_bits( d4_mask a )
+{
+	return (uint32_t)_mm_movemask_pd( a.lo ) | (uint32_t)_mm_movemask_pd( a.hi ) << 2;
+}
 static inline d4_mask d4_lt( d4 a, d4 b )
 {
 	return ( d4 ){ _mm_cmplt_pd( a.lo, b.lo ), _mm_cmplt_pd( a.hi, b.hi ) };
