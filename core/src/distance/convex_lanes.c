@@ -32,13 +32,44 @@ bool lwi_fit_lanes( const lwi_search_memory* memory, const lw_shape* a, const lw
 		   ( memory->def.planes || ( a->convex == NULL && b->convex == NULL ) );
 }
 
-/// Numbers that are in their lane.
-static void put( double ( *out )[LWI_WIDTH], uint32_t lane, const double* in, int count )
+static void put( double ( *out )[LWI_WIDTH], uint32_t lane, double x, double y, double z )
 {
-	for ( int i = 0; i < count; ++i )
+	out[0][lane] = x;
+	out[1][lane] = y;
+	out[2][lane] = z;
+}
+
+/// Puts the shape of a body into its lane. @param body gets the corners of an item
+static void put_shape( lwi_convex_lanes* lanes, int side, uint32_t l, const lw_shape* shape, lwi_body_in_lane* body )
+{
+	lanes->size[side][l] = lwi_largest3( lwi_load( shape->origin ) ) + lwi_extent_of( shape );
+	if ( shape->type == LW_SHAPE_BOX )
 	{
-		out[i][lane] = in[i];
+		const double* d = shape->dimensions;
+		lanes->radius[side][l] = shape->sphere_radius;
+		lanes->share[side][l] = LWI_CONVEX_WIDTH_POLYTOPE;
+		put( lanes->half[side], l, 0.5 * d[0], 0.5 * d[1], 0.5 * d[2] );
+		put( lanes->origin[side], l, 0, 0, 0 );
+		put( lanes->middle[side], l, 0, 0, 0 );
+		return;
 	}
+	lanes->share[side][l] = 0;
+	put( lanes->half[side], l, 0, 0, 0 );
+	const lwi_convex_mesh* mesh = shape->convex;
+	if ( mesh != NULL )
+	{
+		lanes->radius[side][l] = mesh->reach;
+		put( lanes->origin[side], l, mesh->points[0], mesh->points[1], mesh->points[2] );
+		put( lanes->middle[side], l, mesh->mean.x, mesh->mean.y, mesh->mean.z );
+		return;
+	}
+	lwi_support_map piece;
+	const lw_vec3 origin = lwi_piece_of_item( shape, 0, &piece );
+	const lw_vec3 middle = lwi_scale( 1.0 / 3.0, lwi_add( piece.vertex[1], piece.vertex[2] ) );
+	memcpy( body->corner, piece.vertex, sizeof( body->corner ) );
+	lanes->radius[side][l] = piece.radius;
+	put( lanes->origin[side], l, origin.x, origin.y, origin.z );
+	put( lanes->middle[side], l, middle.x, middle.y, middle.z );
 }
 
 /// Puts a body into its lane, unless it is there. One side of successive pairs is mostly the same.
@@ -53,37 +84,14 @@ static void put_body( lwi_lanes* all, int side, uint32_t lane, const lw_shape* s
 	body->shape = shape;
 	body->pose = pose;
 	body->dilation = shape->primitive ? 0 : lwi_item_radius( shape, 0 );
-	const bool box = shape->type == LW_SHAPE_BOX;
-	double half[3] = { 0, 0, 0 };
-	lw_vec3 origin = { 0, 0, 0 }, middle = { 0, 0, 0 };
-	double radius = shape->sphere_radius;
-	if ( box )
+	for ( int i = 0; i < 3; ++i )
 	{
-		lwi_sizes_of_primitive( shape, half );
+		put( lanes->rotation[side] + 3 * i, lane, pose->r[i][0], pose->r[i][1], pose->r[i][2] );
 	}
-	else if ( shape->convex != NULL )
-	{
-		origin = lwi_load( shape->convex->points );
-		radius = shape->convex->reach;
-		middle = shape->convex->mean;
-	}
-	else
-	{
-		lwi_support_map piece;
-		origin = lwi_piece_of_item( shape, 0, &piece );
-		radius = piece.radius;
-		memcpy( body->corner, piece.vertex, sizeof( body->corner ) );
-		middle = lwi_scale( 1.0 / 3.0, lwi_add( piece.vertex[1], piece.vertex[2] ) );
-	}
-	put( lanes->rotation[side], lane, pose->r[0], 9 );
-	put( lanes->place[side], lane, pose->t, 3 );
-	put( lanes->origin[side], lane, &origin.x, 3 );
-	put( lanes->middle[side], lane, &middle.x, 3 );
-	put( lanes->half[side], lane, half, 3 );
-	lanes->radius[side][lane] = radius;
-	lanes->size[side][lane] = lwi_largest3( lwi_load( shape->origin ) ) + lwi_extent_of( shape );
-	lanes->share[side][lane] = box ? LWI_CONVEX_WIDTH_POLYTOPE : 0;
-	all->others[side] = ( all->others[side] & ~( 1u << lane ) ) | (uint32_t)!box << lane;
+	put( lanes->place[side], lane, pose->t[0], pose->t[1], pose->t[2] );
+	put_shape( lanes, side, lane, shape, body );
+	const uint32_t bit = 1u << lane;
+	all->others[side] = shape->type == LW_SHAPE_BOX ? all->others[side] & ~bit : all->others[side] | bit;
 }
 
 /// The points of meshes and items that are farthest.
@@ -98,9 +106,7 @@ static void put_supports( lwi_lanes* all, int side, uint32_t open )
 		const lw_vec3 n = { lanes->along[side][0][l], lanes->along[side][1][l], lanes->along[side][2][l] };
 		const lw_vec3 p =
 			mesh != NULL ? lwi_mesh_point( mesh, lwi_mesh_farthest( mesh, n ) ) : lwi_corner_of_triangle( body->corner, n );
-		lanes->support[side][0][l] = p.x;
-		lanes->support[side][1][l] = p.y;
-		lanes->support[side][2][l] = p.z;
+		put( lanes->support[side], l, p.x, p.y, p.z );
 	}
 }
 

@@ -19,9 +19,10 @@ LW_EXTERN_C_BEGIN
 
 enum
 {
-	LWI_MAX_PARTS = 16,              ///< connected parts of a mesh that are known one by one
-	LWI_EXTREME_BLOCKS = 8,          ///< of the extreme points of a shape, at most
-	LWI_MOST_CONVEX_VERTICES = 1024, ///< of meshes that are searched as one convex body: 10 bits number them
+	LWI_MAX_PARTS = 16,     ///< connected parts of a mesh that are known one by one
+	LWI_EXTREME_BLOCKS = 8, ///< of the extreme points of a shape, at most
+	LWI_MOST_CONVEX_VERTICES =
+		LWI_MOST_CORNER_BLOCKS * LWI_WIDTH, ///< of meshes that are searched as one convex body: 10 bits number them
 	LWI_DENSE_MESH = 256 ///< triangles from which a mesh has pieces: searches of fewer take no longer than planes of pieces
 };
 

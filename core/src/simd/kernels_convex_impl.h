@@ -119,14 +119,9 @@ static inline void convex_aim( lwi_convex_lanes* lanes, uint32_t from, d3 v )
 	}
 }
 
-static inline d4 d4_larger( d4 a, d4 b )
-{
-	return d4_select( d4_lt( a, b ), b, a );
-}
-
 static inline d4 d4_abs( d4 a )
 {
-	return d4_larger( a, d4_sub( d4_set( 0 ), a ) );
+	return d4_max( a, d4_sub( d4_set( 0 ), a ) );
 }
 
 static inline void convex_start_four( lwi_convex_lanes* lanes, uint32_t from, double rounding, double error )
@@ -144,14 +139,14 @@ static inline void convex_start_four( lwi_convex_lanes* lanes, uint32_t from, do
 	const d3 between = d3_sub( d3_load( lanes->place[1], from ), d3_load( lanes->place[0], from ) );
 	const d3 t = d3_sub( d3_add( between, origin[1] ), origin[0] );
 	const d4 extent = d4_add( radii, d4_sqrt( d3_dot( t, t ) ) ), round = d4_mul( d4_set( rounding ), extent );
-	const d4 share = d4_larger( d4_load( lanes->share[0] + from ), d4_load( lanes->share[1] + from ) );
-	const d4 largest = d4_larger( d4_larger( d4_abs( between.x ), d4_abs( between.y ) ), d4_abs( between.z ) );
+	const d4 share = d4_max( d4_load( lanes->share[0] + from ), d4_load( lanes->share[1] + from ) );
+	const d4 largest = d4_max( d4_max( d4_abs( between.x ), d4_abs( between.y ) ), d4_abs( between.z ) );
 	const d4 off = d4_mul( d4_set( error ), d4_add( sizes, largest ) );
 	d3_store( lanes->first, from, origin[0] );
 	d3_store( lanes->second, from, t );
 	d4_store( lanes->rounding + from, round );
 	d4_store( lanes->error + from, off );
-	d4_store( lanes->width + from, d4_larger( d4_mul( share, extent ), d4_mul( d4_set( 1.5 ), round ) ) );
+	d4_store( lanes->width + from, d4_max( d4_mul( share, extent ), d4_mul( d4_set( 1.5 ), round ) ) );
 	d4_store( lanes->far + from, d4_add( d4_load( lanes->far + from ), d4_add( off, off ) ) );
 	d4_store( lanes->lower + from, d4_set( -INFINITY ) );
 	d4_store( lanes->upper + from, d4_set( INFINITY ) );

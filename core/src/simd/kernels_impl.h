@@ -312,30 +312,30 @@ static inline d4 corner_heights( const d4 n[3], const lwi_corners8* corners, uin
 
 static uint32_t corners_farthest( const lwi_corners8* corners, uint32_t blocks, const double direction[3] )
 {
-	static const double lanes[LWI_WIDTH] = { 0, 1, 2, 3, 4, 5, 6, 7 };
-	const d4 n[3] = { d4_set( direction[0] ), d4_set( direction[1] ), d4_set( direction[2] ) }, eight = d4_set( LWI_WIDTH );
-	d4 low_at = d4_load( lanes ), high_at = d4_load( lanes + 4 ), low_here = low_at, high_here = high_at;
-	d4 low = corner_heights( n, corners, 0 ), high = corner_heights( n, corners, 4 );
-	for ( uint32_t i = 1; i < blocks; ++i )
+	const d4 n[3] = { d4_set( direction[0] ), d4_set( direction[1] ), d4_set( direction[2] ) };
+	double height[LWI_MOST_CORNER_BLOCKS][LWI_WIDTH], four[4];
+	d4 low = d4_set( -INFINITY ), high = low;
+	for ( uint32_t i = 0; i < blocks; ++i )
 	{
-		low_here = d4_add( low_here, eight );
-		high_here = d4_add( high_here, eight );
 		const d4 x = corner_heights( n, corners + i, 0 ), y = corner_heights( n, corners + i, 4 );
-		const d4_mask low_is_more = d4_lt( low, x ), high_is_more = d4_lt( high, y );
-		low = d4_select( low_is_more, x, low );
-		low_at = d4_select( low_is_more, low_here, low_at );
-		high = d4_select( high_is_more, y, high );
-		high_at = d4_select( high_is_more, high_here, high_at );
+		d4_store( height[i], x );
+		d4_store( height[i] + 4, y );
+		low = d4_max( low, x );
+		high = d4_max( high, y );
 	}
-	double four[4];
-	d4_store( four, d4_select( d4_lt( low, high ), high, low ) );
+	d4_store( four, d4_max( low, high ) );
 	const double even = four[0] < four[1] ? four[1] : four[0], odd = four[2] < four[3] ? four[3] : four[2];
-	const d4 most = d4_set( even < odd ? odd : even ), none = d4_set( INFINITY );
-	low_at = d4_select( d4_lt( low, most ), none, low_at );
-	high_at = d4_select( d4_lt( high, most ), none, high_at );
-	d4_store( four, d4_select( d4_lt( high_at, low_at ), high_at, low_at ) );
-	const double first = four[1] < four[0] ? four[1] : four[0], second = four[3] < four[2] ? four[3] : four[2];
-	return (uint32_t)( second < first ? second : first );
+	const d4 most = d4_set( even < odd ? odd : even );
+	for ( uint32_t i = 0; i < blocks; ++i )
+	{
+		const uint32_t less =
+			d4_bits( d4_lt( d4_load( height[i] ), most ) ) | d4_bits( d4_lt( d4_load( height[i] + 4 ), most ) ) << 4;
+		if ( less != 0xffu )
+		{
+			return LWI_WIDTH * i + lwi_lowest_bit( ~less );
+		}
+	}
+	return 0;
 }
 
 static uint32_t planes_clear( const lwi_planes8* planes, const float r[9], const lwi_sheared_box* boxes, uint32_t count,

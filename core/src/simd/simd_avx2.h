@@ -108,6 +108,11 @@ static inline d4 d4_div( d4 a, d4 b )
 {
 	return _mm256_div_pd( a, b );
 }
+/// a < b ? b : a
+static inline d4 d4_max( d4 a, d4 b )
+{
+	return _mm256_max_pd( b, a );
+}
 static inline d4 d4_sqrt( d4 a )
 {
 	return _mm256_sqrt_pd( a );

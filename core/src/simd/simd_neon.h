@@ -118,6 +118,11 @@ static inline d4 d4_div( d4 a, d4 b )
 {
 	return ( d4 ){ vdivq_f64( a.lo, b.lo ), vdivq_f64( a.hi, b.hi ) };
 }
+/// a < b ? b : a
+static inline d4 d4_max( d4 a, d4 b )
+{
+	return ( d4 ){ vbslq_f64( vcltq_f64( a.lo, b.lo ), b.lo, a.lo ), vbslq_f64( vcltq_f64( a.hi, b.hi ), b.hi, a.hi ) };
+}
 static inline d4 d4_sqrt( d4 a )
 {
 	return ( d4 ){ vsqrtq_f64( a.lo ), vsqrtq_f64( a.hi ) };

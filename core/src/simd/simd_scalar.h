@@ -143,6 +143,12 @@ static inline d4 d4_div( d4 a, d4 b )
 {
 	return ( d4 ){ { a.v[0] / b.v[0], a.v[1] / b.v[1], a.v[2] / b.v[2], a.v[3] / b.v[3] } };
 }
+/// a < b ? b : a
+static inline d4 d4_max( d4 a, d4 b )
+{
+	return ( d4 ){ { a.v[0] < b.v[0] ? b.v[0] : a.v[0], a.v[1] < b.v[1] ? b.v[1] : a.v[1], a.v[2] < b.v[2] ? b.v[2] : a.v[2],
+		a.v[3] < b.v[3] ? b.v[3] : a.v[3] } };
+}
 static inline d4 d4_sqrt( d4 a )
 {
 	return ( d4 ){ { sqrt( a.v[0] ), sqrt( a.v[1] ), sqrt( a.v[2] ), sqrt( a.v[3] ) } };

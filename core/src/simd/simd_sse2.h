@@ -98,6 +98,11 @@ static inline d4 d4_div( d4 a, d4 b )
 {
 	return ( d4 ){ _mm_div_pd( a.lo, b.lo ), _mm_div_pd( a.hi, b.hi ) };
 }
+/// a < b ? b : a
+static inline d4 d4_max( d4 a, d4 b )
+{
+	return ( d4 ){ _mm_max_pd( b.lo, a.lo ), _mm_max_pd( b.hi, a.hi ) };
+}
 static inline d4 d4_sqrt( d4 a )
 {
 	return ( d4 ){ _mm_sqrt_pd( a.lo ), _mm_sqrt_pd( a.hi ) };

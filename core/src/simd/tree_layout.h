@@ -93,6 +93,9 @@ typedef struct lwi_points8
 	float at[3][LWI_WIDTH]; ///< [axis][lane]
 } lwi_points8;
 
+/// Of one convex mesh, at most.
+#define LWI_MOST_CORNER_BLOCKS 128
+
 /// Eight vertices of a convex mesh; pads repeat the first vertex of all.
 typedef struct lwi_corners8
 {
