@@ -82,7 +82,11 @@ public:
 
 	void run( const std::string& workload, const PeersSettings& settings, PeerReport& out )
 	{
-		std::vector<Way> ways = { { "leeway", [this]( std::size_t i ) { return ask( m_pairs[i] ); } } };
+		std::vector<Way> ways = { { "leeway", [this]( std::size_t i ) { return ask( m_pairs[i], 0 ); } } };
+		if ( m_overlap )
+		{
+			ways.push_back( { "leeway 1e-6", [this]( std::size_t i ) { return ask( m_pairs[i], 1e-6 ); } } );
+		}
 		for ( const auto& engine : m_engines )
 		{
 			for ( const double tolerance : { 1e-9, 1e-6 } )
@@ -155,13 +159,15 @@ private:
 		return depth.kind == LW_DEPTH_OVERLAP;
 	}
 
-	/// The signed interval.
-	Answer ask( const Pair& pair )
+	/// The signed interval. @param width metres: of a depth's interval that will do
+	Answer ask( const Pair& pair, double width )
 	{
 		if ( m_overlap )
 		{
+			lw_depth_def def = lw_depth_def_default();
+			def.width = width;
 			lw_depth depth;
-			leeway::require( lw_shape_depth( pair.a.shape.get(), &pair.pose_a, pair.b.shape.get(), &pair.pose_b, nullptr,
+			leeway::require( lw_shape_depth( pair.a.shape.get(), &pair.pose_a, pair.b.shape.get(), &pair.pose_b, &def,
 			                     m_query.get(), &depth ),
 			    "a depth" );
 			return { -depth.upper, -depth.lower };

@@ -161,14 +161,14 @@ static vec_d add_support( lwi_pair* pair, lw_vec3 v, bool climb, lwi_simplex* si
 
 static bool is_known( const lwi_simplex* simplex )
 {
-	for ( int i = 0; i < simplex->count; ++i )
+	const lw_vec3 a = simplex->a[simplex->count], b = simplex->b[simplex->count];
+	bool known = false;
+	for ( int i = 0; i < simplex->count; ++i ) // without branches, which would be taken at random
 	{
-		if ( is_same( simplex->a[i], simplex->a[simplex->count] ) && is_same( simplex->b[i], simplex->b[simplex->count] ) )
-		{
-			return true;
-		}
+		const lw_vec3 x = simplex->a[i], y = simplex->b[i];
+		known |= ( x.x == a.x ) & ( x.y == a.y ) & ( x.z == a.z ) & ( y.x == b.x ) & ( y.y == b.y ) & ( y.z == b.z );
 	}
-	return false;
+	return known;
 }
 
 /// Keeps the points with weight; w moves along.

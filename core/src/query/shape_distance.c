@@ -24,6 +24,8 @@ lw_status lw_shape_distance( const lw_shape* a, const lw_transform* world_from_a
 	{
 		return LW_ERROR_UNSUPPORTED;
 	}
+	lwi_fetch_corners( a );
+	lwi_fetch_corners( b );
 	lwi_bound bound;
 	lwi_bound_init( &bound, &wanted );
 	if ( lwi_have_closed_form( a, b ) && lwi_search_round( &query->search, a, pose_a, b, pose_b, &bound ) )

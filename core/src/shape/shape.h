@@ -74,19 +74,21 @@ typedef struct lwi_deferred
 /// A mesh that is the surface of a convex body. Its vertices are sorted, so that answers do not depend on the order of triangles.
 typedef struct lwi_convex_mesh
 {
+	// of distances
 	double reach;        ///< of the vertices, about the first of them
-	double excess;       ///< metres: the hull's boundary is no farther from the surface
 	lw_vec3 mean;        ///< of the vertices, about the first of them
 	double* points;      ///< [vertex_count][3] sorted
 	lwi_corners8* about; ///< [blocks] the same, about the first of them
 	const struct lwi_kernels* kernels;
+	uint32_t blocks;
+
+	double excess;        ///< metres: the hull's boundary is no farther from the surface
 	uint32_t* first;      ///< [vertex_count + 1] where a vertex' neighbours begin, the end last
 	uint32_t* neighbours; ///< along edges, ascending
 	uint32_t* triangles;  ///< of these edges, on one side
 	uint16_t* corners;    ///< [item_count][3] points of the mesh's triangles
-	uint32_t blocks;
-	uint32_t start[27]; ///< a vertex that is far along the directions of each cell of lwi_direction_cell()
-	size_t bytes;       ///< of this and the arrays
+	uint32_t start[27];   ///< a vertex that is far along the directions of each cell of lwi_direction_cell()
+	size_t bytes;         ///< of this and the arrays
 } lwi_convex_mesh;
 
 /// Vertex i of a convex mesh, about the first of them.
@@ -123,19 +125,19 @@ struct lw_shape
 	/// Sphere tree, tree frame = shape frame shifted by origin: p_tree = p_shape - origin. Centre of the vertices' box.
 	double origin[3];
 	lwi_convex_mesh* convex; ///< of a convex mesh, else NULL
-	/// [item_count] number << 2 | flags; LW_INVALID_INDEX: degenerate. Of a mesh that is declared solid, or closed: depths count its
-	/// inside, and distances only if it is declared. NULL: no inside.
-	uint32_t* components;
 	// Triangles, balls, boxes: the original geometry in double, shape frame. Results are computed from it.
 	double* vertices;  ///< [vertex_count][3]; least and greatest corner of box i are 2i and 2i + 1
 	uint32_t* indices; ///< [item_count][3] of triangles, else NULL
-	double* radii;     ///< [item_count] of LW_SHAPE_SPHERES, else NULL
-
-	double box_min[3], box_max[3]; ///< of the whole shape, dilation included, shape frame
-	double dimensions[3];          ///< of primitives, as given; [0] of the radius of a set or mesh
 	uint32_t vertex_count, item_count;
-	lwi_ref root;         ///< a node, or a leaf if everything fits into one
-	float root_sphere[4]; ///< x, y, z, r: contains everything, tree frame
+	double* radii; ///< [item_count] of LW_SHAPE_SPHERES, else NULL
+
+	double dimensions[3]; ///< of primitives, as given; [0] of the radius of a set or mesh
+	/// [item_count] number << 2 | flags; LW_INVALID_INDEX: degenerate. Of a mesh that is declared solid, or closed: depths count its
+	/// inside, and distances only if it is declared. NULL: no inside.
+	uint32_t* components;
+	double box_min[3], box_max[3]; ///< of the whole shape, dilation included, shape frame
+	lwi_ref root;                  ///< a node, or a leaf if everything fits into one
+	float root_sphere[4];          ///< x, y, z, r: contains everything, tree frame
 	uint32_t node_count, leaf_count, depth;
 	lwi_node* nodes;
 	lwi_obb8* obbs;             ///< [node_count] of triangles, else NULL
@@ -162,6 +164,20 @@ struct lw_shape
 	lw_allocator allocator;
 	size_t bytes;
 };
+
+/// Asks for the vertices of a convex mesh before they are needed.
+static inline void lwi_fetch_corners( const lw_shape* shape )
+{
+#if defined( __GNUC__ )
+	const lwi_convex_mesh* mesh = shape->convex;
+	for ( uint32_t i = 0; mesh != NULL && i < mesh->blocks && i < 8; ++i )
+	{
+		__builtin_prefetch( mesh->about[i].at[0] );
+		__builtin_prefetch( mesh->about[i].at[1] );
+		__builtin_prefetch( mesh->about[i].at[2] );
+	}
+#endif
+}
 
 /// The mesh of a deferred shape, made now if needed. NULL with a status if that fails.
 const lw_shape* lwi_shape_make( const lw_shape* shape, lw_status* out_status, lw_diag* diag );

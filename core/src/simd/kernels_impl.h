@@ -326,13 +326,19 @@ static uint32_t corners_farthest( const lwi_corners8* corners, uint32_t blocks, 
 	d4_store( four, d4_max( low, high ) );
 	const double even = four[0] < four[1] ? four[1] : four[0], odd = four[2] < four[3] ? four[3] : four[2];
 	const d4 most = d4_set( even < odd ? odd : even );
-	for ( uint32_t i = 0; i < blocks; ++i )
+	for ( uint32_t from = 0; from < blocks; from += 4 ) // a branch for each block would be taken at random
 	{
-		const uint32_t less =
-			d4_bits( d4_lt( d4_load( height[i] ), most ) ) | d4_bits( d4_lt( d4_load( height[i] + 4 ), most ) ) << 4;
-		if ( less != 0xffu )
+		uint32_t less = 0xffffffffu;
+		for ( uint32_t k = 0; k < 4 && from + k < blocks; ++k )
 		{
-			return LWI_WIDTH * i + lwi_lowest_bit( ~less );
+			const double* here = height[from + k];
+			const uint32_t low_is_less = d4_bits( d4_lt( d4_load( here ), most ) ),
+						   high_is_less = d4_bits( d4_lt( d4_load( here + 4 ), most ) );
+			less &= ~( 0xffu << 8 * k ) | ( low_is_less | high_is_less << 4 ) << 8 * k;
+		}
+		if ( less != 0xffffffffu )
+		{
+			return LWI_WIDTH * from + lwi_lowest_bit( ~less );
 		}
 	}
 	return 0;
