@@ -37,8 +37,8 @@ typedef struct lw_near_def
 	lw_check_flags flags;
 	double distance; ///< metres, > 0, may be INFINITY: pairs whose clearance is below it; 0.05
 	double alpha;    ///< relative tolerance of each interval, [0, 1); 0
-	/// Metres, >= 0: nearest points are looked for that are farther by no more than this, and tell TIED from UNIQUE. Takes a second
-	/// search for each pair. 0: TIED is never said. In contact: ways out in other directions that are longer by no more than this, or
+	/// Metres, >= 0: nearest points are looked for that are farther by no more than this, and tell TIED from UNIQUE. Takes a second search of a pair,
+	/// but not of boxes and convex meshes. 0: TIED is never said. In contact: ways out in other directions that are longer by no more than this, or
 	/// not proved to be.
 	double tie_width;
 	/// Steps of lw_depth_def for each pair in contact that has a depth; 0: no depths.

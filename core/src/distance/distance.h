@@ -22,6 +22,9 @@ typedef struct lwi_ties
 	bool found;
 } lwi_ties;
 
+/// Of two convex bodies that are apart: their nearest points are the only ones, unless faces or edges are parallel. Sets `found` by width and normal.
+void lwi_note_tie_of_bodies( lwi_ties* ties, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b );
+
 /// The running bound of one search, shared by all its pairs. Method and proof: core/docs/distance.md.
 /// Everything in it is clearance: distance less the margin of the pair, which may make it negative (core/docs/margins.md).
 typedef struct lwi_bound

@@ -356,9 +356,6 @@ static inline void lwi_sizes_of_primitive( const lw_shape* shape, double size[3]
 /// @param distance of the items @param point_a, point_b their nearest points, a's shape frame
 void lwi_note_tie( lwi_searching* s, double distance, lw_vec3 point_a, lw_vec3 point_b, uint32_t item_a, uint32_t item_b );
 
-/// The same for two convex bodies that are apart: their nearest points are the only ones, unless faces or edges are parallel.
-void lwi_note_tie_of_bodies( lwi_ties* ties, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b );
-
 // --- distance/shared_feature.c ---------------------------------------------------------------------------------------------------
 
 /// The nearest corners, if two measured triangles are nearest at one corner of each, or at a corner and an edge.

@@ -68,8 +68,9 @@ static lwi_near_place place_of( const near_search* s, const lw_near_pair* row )
 	return lwi_near_place_of( s->checker, s->query, &bodies );
 }
 
-/// Searches a pair again for other points that are as near.
-static bool is_tied( near_search* s, const lwi_bound* bound, const lw_near_pair* row, lw_vec3 normal )
+/// Are other points as near? Searches a pair again, but for two convex bodies that are apart.
+/// @param world the bodies are such, and the normal has the axes of the world, not a's
+static bool is_tied( near_search* s, const lwi_bound* bound, const lw_near_pair* row, lw_vec3 normal, bool world )
 {
 	const lwi_near_place at = place_of( s, row );
 	const lw_transform relative = lwi_relative( at.pose_a, at.pose_b );
@@ -79,7 +80,12 @@ static bool is_tied( near_search* s, const lwi_bound* bound, const lw_near_pair*
 		.limit = distance + s->def->tie_width,
 		.point_a = bound->point_a,
 		.point_b = bound->point_b,
-		.normal = normal };
+		.normal = world ? lwi_unrotate( at.pose_a, normal ) : normal };
+	if ( world )
+	{
+		lwi_note_tie_of_bodies( &ties, at.a, at.b, &relative );
+		return ties.found;
+	}
 	lwi_bound again = bound_of( s, bound->margin );
 	again.ties = &ties;
 	lwi_search( &s->query->search, at.a, at.b, &relative, &again );
@@ -130,7 +136,7 @@ static void end_row( near_search* s, const near_subject* p, const lwi_bound* bou
 	if ( row->clearance.kind == LW_CLEARANCE_NEAR && length > 0 )
 	{
 		const lw_vec3 normal = { between.x / length, between.y / length, between.z / length };
-		const bool tied = s->def->tie_width > 0 && is_tied( s, bound, row, normal );
+		const bool tied = s->def->tie_width > 0 && is_tied( s, bound, row, normal, world );
 		row->direction = tied ? LW_DIRECTION_TIED : LW_DIRECTION_UNIQUE;
 		row->normal = world ? normal : lwi_rotate( &s->query->pose.world_from_body[row->body_a], normal );
 	}
@@ -222,12 +228,8 @@ static void look_at_waiting( near_search* s )
 static void look( near_search* s, const near_subject* p )
 {
 	const lwi_near_place at = lwi_near_place_of( s->checker, s->query, &p->bodies );
-	if ( s->def->tie_width > 0 )
-	{
-		look_alone( s, p );
-		return;
-	}
-	if ( look_at_round( s, p, &at ) )
+	// a closed form says nothing of ties
+	if ( s->def->tie_width == 0 && look_at_round( s, p, &at ) )
 	{
 		return;
 	}
