@@ -100,7 +100,7 @@ Subject randomSubject( SeededRng& rng, int kind, double size )
 	return out;
 }
 
-/// Two bodies whose gap is about what is asked for.
+/// Two bodies with about this gap, in sizes.
 struct Two
 {
 	Subject a, b;
@@ -197,7 +197,7 @@ TEST( ConvexLanes, AnIntervalMissesTheDistance )
 			const double radii = pairs[i].radius_a + pairs[i].radius_b;
 			const double size = lengthOf( { 0, 0, 0 }, pairs[i].point_b ) + pairs[i].upper + away;
 			ASSERT_LE( pairs[i].lower - radii, static_cast<double>( truth.upper ) ) << "round " << round << ", pair " << i;
-			// balls may overlap with what their centres are apart from
+			// balls may overlap a body that their centres are outside of
 			ASSERT_GE( std::max( pairs[i].upper - radii, 0.0 ), static_cast<double>( truth.lower ) - 1e-14 * size )
 			    << "round " << round;
 			ASSERT_NEAR( pairs[i].upper, lengthOf( pairs[i].point_a, pairs[i].point_b ), 1e-14 * size );
@@ -253,7 +253,7 @@ TEST( ConvexLanes, APairDependsOnTheOthers )
 		lwi_lanes lanes;
 		lwi_lanes_open( &lanes );
 		lwi_search_lanes( &query->search, &lanes, together.data(), 8 );
-		lwi_search_lanes( &query->search, &lanes, mixed.data(), 8 ); // what was in the lanes is known
+		lwi_search_lanes( &query->search, &lanes, mixed.data(), 8 ); // the lanes still hold the bodies of before
 		for ( std::size_t i = 0; i < 8; ++i )
 		{
 			lwi_lane_pair alone = asked( two[i] );

@@ -52,7 +52,7 @@ typedef struct convex_nearest
 	d4 square, own, weight[3];
 } convex_nearest;
 
-/// @param which, also of two points of the simplex @param own, one, two weights
+/// @param which, also two points of the simplex @param own, one, two the weights of the new point and of these
 static inline void convex_offer( convex_nearest* best, d4_mask holds, d3 v, uint32_t which, uint32_t also, d4 own, d4 one,
 	d4 two )
 {
