@@ -22,7 +22,7 @@ bool lwi_convex_of_shape( const lw_shape* shape, lwi_convex* out )
 		return true;
 	}
 	*out = ( lwi_convex ){ .type = LWI_CONVEX_TRIANGLE };
-	if ( shape->item_count == 1 && shape->family <= LWI_BALLS )
+	if ( lwi_is_item( shape ) )
 	{
 		lwi_load_corners( shape, 0, out->vertex );
 		return true;
@@ -51,11 +51,6 @@ static bool is_solid( const lwi_bound* bound, const lw_shape* shape )
 	return shape->convex == NULL || lwi_is_filled( bound, shape );
 }
 
-static double dilation_of( const lw_shape* shape )
-{
-	return shape->primitive ? 0 : lwi_item_radius( shape, 0 );
-}
-
 /// A bounded primitive, a convex mesh, or a mesh or set of one item, in place. Returns its reference point.
 static lw_vec3 piece_of( const lw_shape* shape, lwi_support_map* out )
 {
@@ -71,7 +66,7 @@ static bool is_body( const lw_shape* shape )
 /// A body, or one triangle or ball.
 static bool is_piece( const lw_shape* shape )
 {
-	return is_body( shape ) || ( shape->item_count == 1 && shape->family <= LWI_BALLS );
+	return is_body( shape ) || lwi_is_item( shape );
 }
 
 bool lwi_search_convex( lwi_search_memory* memory, const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b,
@@ -88,7 +83,8 @@ bool lwi_search_convex( lwi_search_memory* memory, const lw_shape* a, const lw_s
 	const lw_vec3 origin_a = piece_of( a, &pair.a ), origin_b = piece_of( b, &pair.b );
 	lwi_pair_place( &pair, a_from_b, origin_a, origin_b );
 	const double error = LWI_POSE_ERROR * lwi_pair_reach( a, b, a_from_b );
-	const double radius_a = dilation_of( a ), radius_b = dilation_of( b ), radii = radius_a + radius_b + bound->margin;
+	const double radius_a = lwi_dilation_of( a ), radius_b = lwi_dilation_of( b ),
+				 radii = radius_a + radius_b + bound->margin;
 	// a distance is near enough if it stays a violation without radii and margin; subtracting them rounds
 	const double stop_below = ( bound->range.min_d + radii ) * ( 1 - 8 * LWI_U64 );
 	const lwi_convex_result r = lwi_pair_distance( &pair, origin_a, 0, bound->cutoff + radii + 2 * error, stop_below );

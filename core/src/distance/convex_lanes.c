@@ -19,16 +19,10 @@ static bool has_straight_edges( const lw_shape* shape )
 	return shape->type == LW_SHAPE_BOX || ( shape->convex != NULL && shape->vertex_count < LWI_CLIMB_FROM );
 }
 
-/// One triangle, segment or ball.
-static bool is_item( const lw_shape* shape )
-{
-	return shape->convex == NULL && shape->item_count == 1 && shape->family <= LWI_BALLS;
-}
-
 bool lwi_fit_lanes( const lwi_search_memory* memory, const lw_shape* a, const lw_shape* b )
 {
 	const bool body_a = has_straight_edges( a ), body_b = has_straight_edges( b );
-	return ( body_a || body_b ) && ( body_a || is_item( a ) ) && ( body_b || is_item( b ) ) &&
+	return ( body_a || body_b ) && ( body_a || lwi_is_item( a ) ) && ( body_b || lwi_is_item( b ) ) &&
 		   ( memory->def.planes || ( a->convex == NULL && b->convex == NULL ) );
 }
 
@@ -42,7 +36,7 @@ static void put( double ( *out )[LWI_WIDTH], uint32_t lane, double x, double y, 
 /// Puts the shape of a body into its lane. @param body gets the corners of an item
 static void put_shape( lwi_convex_lanes* lanes, int side, uint32_t l, const lw_shape* shape, lwi_body_in_lane* body )
 {
-	lanes->size[side][l] = lwi_largest3( lwi_load( shape->origin ) ) + lwi_extent_of( shape );
+	lanes->size[side][l] = lwi_reach_of( shape );
 	if ( shape->type == LW_SHAPE_BOX )
 	{
 		const double* d = shape->dimensions;
@@ -83,7 +77,7 @@ static void put_body( lwi_lanes* all, int side, uint32_t lane, const lw_shape* s
 	}
 	body->shape = shape;
 	body->pose = pose;
-	body->dilation = shape->primitive ? 0 : lwi_item_radius( shape, 0 );
+	body->dilation = lwi_dilation_of( shape );
 	for ( int i = 0; i < 3; ++i )
 	{
 		put( lanes->rotation[side] + 3 * i, lane, pose->r[i][0], pose->r[i][1], pose->r[i][2] );

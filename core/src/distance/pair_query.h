@@ -170,6 +170,24 @@ static inline double lwi_extent_of( const lw_shape* shape )
 							: (double)shape->extent;
 }
 
+/// Metres: no coordinate of the shape in its own frame is larger.
+static inline double lwi_reach_of( const lw_shape* shape )
+{
+	return lwi_largest3( lwi_load( shape->origin ) ) + lwi_extent_of( shape );
+}
+
+/// One triangle, segment or ball.
+static inline bool lwi_is_item( const lw_shape* shape )
+{
+	return shape->item_count == 1 && shape->family <= LWI_BALLS;
+}
+
+/// Metres: of a shape that is one piece.
+static inline double lwi_dilation_of( const lw_shape* shape )
+{
+	return shape->primitive ? 0 : lwi_item_radius( shape, 0 );
+}
+
 /// The largest coordinates of a pair: scale of the rounding of a distance in double.
 static inline double lwi_pair_reach( const lw_shape* a, const lw_shape* b, const lw_transform* a_from_b )
 {

@@ -2,12 +2,6 @@
 // Pairs with a closed form: two spheres or capsules, a sphere and a primitive. No tree, box or frame of the pair is made.
 #include "distance/pair_query.h"
 
-/// Metres: no coordinate of the shape in its own frame is larger.
-static double reach_of( const lw_shape* shape )
-{
-	return lwi_largest3( lwi_load( shape->origin ) ) + lwi_extent_of( shape );
-}
-
 /// Half of a capsule's segment, in the axes of the world. Spheres and capsules have their middle at the origin of their frames, capsules are along z.
 static lw_vec3 half_of( const lw_shape* capsule, const lw_transform* pose )
 {
@@ -52,7 +46,7 @@ static double point_distance( lw_vec3 point, const lw_shape* primitive, const lw
 	lw_vec3 nearest;
 	const double distance = lwi_convex_point_distance( &piece, at, &nearest );
 	*closest = lwi_add( lwi_rotate( pose, nearest ), to );
-	*error = LWI_CONVEX_ROUNDING * ( reach_of( primitive ) + fabs( at.x ) + fabs( at.y ) + fabs( at.z ) );
+	*error = LWI_CONVEX_ROUNDING * ( lwi_reach_of( primitive ) + fabs( at.x ) + fabs( at.y ) + fabs( at.z ) );
 	return distance;
 }
 
@@ -60,7 +54,7 @@ lwi_tri_result lwi_round_distance( const lw_shape* a, const lw_transform* world_
 	const lw_transform* world_from_b, double* error )
 {
 	const lw_vec3 between = lwi_sub( lwi_load( world_from_b->t ), lwi_load( world_from_a->t ) ), here = { 0, 0, 0 };
-	const double scale = reach_of( a ) + reach_of( b ) + lwi_largest3( between );
+	const double scale = lwi_reach_of( a ) + lwi_reach_of( b ) + lwi_largest3( between );
 	*error = LWI_EXACT_ERROR * scale;
 	if ( !a->primitive && !b->primitive )
 	{

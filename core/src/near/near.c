@@ -155,12 +155,15 @@ static void end_row( near_search* s, const near_subject* p, const lwi_bound* bou
 	lwi_near_rows_keep( &s->rows );
 }
 
-/// Reads a bound whose points have the axes of the world, about a's place.
-static void read_world( const lwi_bound* bound, const lw_transform* pose_a, lw_near_pair* row )
+/// The row of a bound whose points have the axes of the world, about a's place.
+static void end_world_row( near_search* s, const near_subject* p, const lwi_bound* bound, const lw_transform* pose_a )
 {
+	lw_near_pair* row = lwi_near_rows_next( &s->rows );
+	s->query->search.stats.queries++;
 	lwi_bound_result( bound, &row->clearance );
 	row->clearance.point_a = lwi_add( bound->point_a, lwi_load( pose_a->t ) );
 	row->clearance.point_b = lwi_add( bound->point_b, lwi_load( pose_a->t ) );
+	end_row( s, p, bound, row, true );
 }
 
 /// Measures a pair with a closed form at its poses in the world: that takes less than the memory of a pair.
@@ -171,16 +174,13 @@ static bool look_at_round( near_search* s, const near_subject* p, const lwi_near
 	{
 		return false;
 	}
-	lw_near_pair* row = lwi_near_rows_next( &s->rows );
 	lwi_bound bound = bound_of( s, p->margin );
 	bound.margin = -bound.range.min_d;
 	if ( !lwi_search_round( &s->query->search, at->a, at->pose_a, at->b, at->pose_b, &bound ) )
 	{
 		return false;
 	}
-	s->query->search.stats.queries++;
-	read_world( &bound, at->pose_a, row );
-	end_row( s, p, &bound, row, true );
+	end_world_row( s, p, &bound, at->pose_a );
 	return true;
 }
 
@@ -212,14 +212,11 @@ static void look_at_waiting( near_search* s )
 			look_alone( s, &s->subjects[i] );
 			continue;
 		}
-		lw_near_pair* row = lwi_near_rows_next( &s->rows );
 		lwi_bound bound = bound_of( s, s->subjects[i].margin );
 		bound.margin = -bound.range.min_d;
 		lwi_offer_lane_pair( pair, &bound );
-		s->query->search.stats.queries++;
 		s->query->search.stats.exact_tests++;
-		read_world( &bound, pair->pose_a, row );
-		end_row( s, &s->subjects[i], &bound, row, true );
+		end_world_row( s, &s->subjects[i], &bound, pair->pose_a );
 	}
 	s->waiting = 0;
 }
